@@ -1,0 +1,2 @@
+//! Streaming range-image segmentation.
+#![no_std]

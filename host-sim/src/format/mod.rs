@@ -1,0 +1,2 @@
+//! Files: range images, their geometry, label images.
+pub mod geometry;

@@ -1,0 +1,1 @@
+//! Slow, obvious models of what scanseg does, for its tests.
