@@ -1,2 +1,46 @@
-//! Streaming range-image segmentation.
+//! Range-image segmentation that runs while the scanner is still scanning: the method of *Fast range image segmentation
+//! for indoor 3D-SLAM* (Harati, Gaechter, Siegwart 2006), one scan row at a time, in fixed memory and linear time.
+//!
+//! ```text
+//! ranges of a row, its turn angle
+//!    -> bearing angles along the traces        bearing, with the angles between beams from beam     (paper section 3)
+//!    -> roof and step edges, OR                edge                                                 (section 4)
+//!    -> closing, on packed bits                closing
+//!    -> labels, joins, complete segments       label
+//!    -> their planes                           plane
+//! ```
+//!
+//! [`EdgeSegmenter`] ties the stages together; [`Config::paper`] holds the paper's settings; a [`Sink`] takes the results.
+//!
+//! # Features
+//! - `micromath`: a coarse arc tangent (0.17 deg instead of 0.001 deg) for processors without floating point.
+//! - `defmt`: `defmt::Format` on the public plain types.
 #![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+mod beam;
+mod bearing;
+mod bits;
+mod closing;
+mod config;
+mod edge;
+mod error;
+mod event;
+mod label;
+mod memory;
+mod plane;
+mod segmenter;
+
+pub use beam::{BeamAngle, Beams, Columns, MIN_BEAM_ANGLE_RAD, POINT_UNIT_M, TurnAxis};
+pub use bearing::{COUNTS_PER_RAD, MAX_ERROR_RAD, Row, bearing_angle_rad, bearing_row};
+pub use config::{Config, Element, MAX_RANGE_M, MAX_TRACE_ROWS, MAX_TRACES, Trace};
+pub use error::{ConfigError, PushError};
+pub use event::{EdgeRow, Join, Label, LabelRow, Pixel, Segment, Sink};
+pub use label::{Area, live_labels};
+pub use memory::{Buffers, Memory, Sizes};
+pub use plane::{Moments, Plane};
+pub use segmenter::{EdgeSegmenter, Finished, LATENCY_ROWS, MAX_COLUMNS, MAX_ROWS, Status};

@@ -1,0 +1,90 @@
+//! What can be refused: a configuration, a row.
+
+use core::fmt;
+
+/// A configuration value that cannot be used. Names the field and carries the value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A number is NaN, infinite or outside of its range.
+    Value {
+        /// The field of [`Config`](crate::Config) or [`Beams`](crate::Beams).
+        field: &'static str,
+        /// What it was set to.
+        value: f32,
+    },
+    /// A count or an offset is outside of its range.
+    Count {
+        /// The field.
+        field: &'static str,
+        /// What it was set to.
+        value: i32,
+    },
+    /// A list of beam angles does not have one entry per column.
+    Listed {
+        /// Columns of the image.
+        columns: usize,
+        /// Entries of the list.
+        got: usize,
+    },
+    /// The memory given is too small.
+    Memory {
+        /// Which part of [`Memory`](crate::Memory).
+        field: &'static str,
+        /// Elements needed.
+        needed: usize,
+        /// Elements given.
+        got: usize,
+    },
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            ConfigError::Value { field, value } => write!(f, "{field} cannot be {value}"),
+            ConfigError::Count { field, value } => write!(f, "{field} cannot be {value}"),
+            ConfigError::Listed { columns, got } => {
+                write!(f, "{got} listed beam angles for {columns} columns")
+            }
+            ConfigError::Memory { field, needed, got } => {
+                write!(f, "memory: {field} needs {needed} elements, got {got}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// A row that was not taken. The segmenter is as it was before the call.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PushError {
+    /// The row does not have one range per column.
+    RowLength {
+        /// Columns of the image.
+        expected: usize,
+        /// Ranges in the row.
+        got: usize,
+    },
+    /// The turn angle is NaN or infinite, or beyond 1000 turns.
+    TurnAngle {
+        /// What was given, radians.
+        turn_rad: f32,
+    },
+    /// The scan already has [`MAX_ROWS`](crate::MAX_ROWS) rows: call `finish`.
+    TooManyRows,
+}
+
+impl fmt::Display for PushError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            PushError::RowLength { expected, got } => write!(f, "row of {got} ranges, expected {expected}"),
+            PushError::TurnAngle { turn_rad } => write!(f, "turn angle cannot be {turn_rad}"),
+            PushError::TooManyRows => write!(f, "more than {} rows in one scan", crate::MAX_ROWS),
+        }
+    }
+}
+
+impl core::error::Error for PushError {}

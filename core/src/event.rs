@@ -1,0 +1,169 @@
+//! What comes out: rows of labels, joins, segments.
+
+use core::fmt;
+use core::ops::{ControlFlow, Range};
+
+use crate::bits::{self, CHUNK};
+use crate::label::Labels;
+use crate::plane::{Moments, Plane};
+
+/// The label of an area: 1, 2, 3, ... in the order in which areas begin. Never used twice within a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Label(pub u32);
+
+impl fmt::Display for Label {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// What a pixel is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Pixel {
+    /// No return: the paper's outliers, windows among them.
+    NoReturn,
+    /// Part of an edge.
+    Edge,
+    /// Part of the area with this label, or of an area that it has joined since.
+    Segment(Label),
+    /// Part of an area that got no label because the table of live labels was full.
+    Unlabelled,
+}
+
+/// Two areas turned out to be one: pixels labelled `from` in earlier rows belong to `into`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Join {
+    /// The label that ends here.
+    pub from: Label,
+    /// The label that goes on; always the smaller one.
+    pub into: Label,
+}
+
+/// An area that can grow no more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Segment {
+    /// Its label; areas that were joined into it are counted in.
+    pub label: Label,
+    /// First row with a pixel of it.
+    pub first_row: u16,
+    /// Last row with a pixel of it.
+    pub last_row: u16,
+    /// Leftmost column with a pixel of it. An area across the seam of a wrapped image reaches from 0 to the last column.
+    pub first_column: u16,
+    /// Rightmost column with a pixel of it.
+    pub last_column: u16,
+    /// Its points.
+    pub moments: Moments,
+}
+
+impl Segment {
+    /// Number of pixels.
+    pub fn pixels(&self) -> u32 {
+        self.moments.points
+    }
+
+    /// Mean of its points, metres.
+    pub fn centroid_m(&self) -> [f32; 3] {
+        self.moments.centroid_m().unwrap_or_default()
+    }
+
+    /// Its plane; see [`Moments::plane`].
+    pub fn plane(&self) -> Option<Plane> {
+        self.moments.plane()
+    }
+}
+
+/// Takes what a segmenter finds, row by row. Any method may return `ControlFlow::Break` to drop the rest of the scan.
+///
+/// Order of the calls for one pushed row: `edges`; then, for the row a few rows earlier that is now decided, `join` and
+/// `segment` as they are found from left to right; then `row`.
+pub trait Sink {
+    /// A row of labels. Joins that this row brought about are already applied to it.
+    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()>;
+
+    /// Two areas are one.
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        let _ = join;
+        ControlFlow::Continue(())
+    }
+
+    /// A segment is complete. Its last row was the one before the row in progress.
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        let _ = segment;
+        ControlFlow::Continue(())
+    }
+
+    /// A row of edges before the closing, for pictures and tests.
+    fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
+        let _ = row;
+        ControlFlow::Continue(())
+    }
+}
+
+/// A row of edges: roof and step edges of all traces, before the closing.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgeRow<'a> {
+    pub(crate) row: usize,
+    pub(crate) columns: usize,
+    pub(crate) words: &'a [u32],
+}
+
+impl<'a> EdgeRow<'a> {
+    /// Number of the row.
+    pub fn row(&self) -> usize {
+        self.row
+    }
+
+    /// The runs of edge pixels, from the left.
+    pub fn runs(&self) -> impl Iterator<Item = Range<usize>> + 'a {
+        bits::runs(self.words, self.columns)
+    }
+}
+
+/// A row of labels.
+#[derive(Clone, Copy)]
+pub struct LabelRow<'a> {
+    pub(crate) row: usize,
+    pub(crate) columns: usize,
+    /// Packed: pixels with a return.
+    pub(crate) returns: &'a [u32],
+    /// Packed: pixels of areas.
+    pub(crate) areas: &'a [u32],
+    pub(crate) labels: &'a Labels<'a>,
+}
+
+impl<'a> LabelRow<'a> {
+    /// Number of the row.
+    pub fn row(&self) -> usize {
+        self.row
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full.
+    pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, Option<Label>)> + 'a {
+        let labels = self.labels;
+        bits::runs(self.areas, self.columns).enumerate().map(move |(i, run)| (run, labels.of_run(i)))
+    }
+
+    /// All pixels, from the left.
+    pub fn pixels(&self) -> impl Iterator<Item = Pixel> + 'a {
+        let mut runs = self.runs().peekable();
+        let returns = self.returns;
+        (0..self.columns).map(move |column| {
+            while runs.next_if(|(run, _)| run.end <= column).is_some() {}
+            match runs.peek() {
+                Some((run, label)) if run.contains(&column) => label.map_or(Pixel::Unlabelled, Pixel::Segment),
+                _ if returns.get(column / CHUNK).is_some_and(|word| word >> (column % CHUNK) & 1 == 1) => Pixel::Edge,
+                _ => Pixel::NoReturn,
+            }
+        })
+    }
+}

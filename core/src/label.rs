@@ -1,0 +1,326 @@
+//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas between edges, by runs, in one pass.
+//!
+//! Only the frontier is remembered: the runs of the row before that may still be touched, then the runs of this row so
+//! far, a queue of at most floor(columns / 2) + 2 entries. Each run refers to a slot of the table of live areas. Where
+//! areas join within a row, one slot becomes a link to the other; at the end of the row all runs refer to roots again.
+//!
+//! A slot is free the moment no run refers to it, so floor(columns / 2) + 1 slots are enough for every image:
+//! - The slot that a run has joined others into keeps the run's own reference to the end of the row, and only such slots
+//!   are linked to. Hence every slot in use is referred to by a run of its own.
+//! - Runs that can no longer be touched are dropped before a new area takes a slot, and then the frontier without the
+//!   new run has at most floor(columns / 2) runs.
+
+use core::ops::{ControlFlow, Range};
+
+use crate::bits::runs;
+use crate::event::{Join, Label, Segment, Sink};
+use crate::plane::{FIRST_MAX, Moments};
+
+/// Live labels that every image of this width can make do with.
+pub const fn live_labels(columns: usize) -> usize {
+    columns / 2 + 1
+}
+
+/// Words of the frontier: one more run than live labels, two runs a word.
+pub(crate) const fn frontier_words(columns: usize) -> usize {
+    (columns / 2 + 2).div_ceil(2)
+}
+
+/// A live area: an element of the table of live labels, 84 bytes. Opaque; made by [`Area::EMPTY`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C, packed(4))]
+pub struct Area {
+    second: [i64; 6],
+    first_low: [u32; 3],
+    points: u32,
+    /// Label; in a free slot the next free slot.
+    label: u32,
+    first_high: [i16; 3],
+    /// Runs of the frontier that refer to this slot itself.
+    runs: u16,
+    first_row: u16,
+    first_column: u16,
+    last_column: u16,
+    /// This slot itself for an area, else the slot that it was joined into.
+    link: u16,
+}
+
+impl Area {
+    /// For the memory that a segmenter is given: `[Area::EMPTY; live_labels(COLUMNS)]`.
+    pub const EMPTY: Area = Area {
+        second: [0; 6],
+        first_low: [0; 3],
+        points: 0,
+        label: 0,
+        first_high: [0; 3],
+        runs: 0,
+        first_row: 0,
+        first_column: 0,
+        last_column: 0,
+        link: 0,
+    };
+
+    fn moments(&self) -> Moments {
+        let (low, high) = (self.first_low, self.first_high);
+        let first = core::array::from_fn(|i| (i64::from(high[i]) << 32) | i64::from(low[i]));
+        Moments { points: self.points, first, second: self.second }
+    }
+
+    fn add(&mut self, more: &Moments) {
+        let mut sum = self.moments();
+        sum.merge(more);
+        debug_assert!(sum.first.iter().all(|s| s.abs() <= FIRST_MAX));
+        self.points = sum.points;
+        self.second = sum.second;
+        self.first_low = sum.first.map(|s| s as u32);
+        self.first_high = sum.first.map(|s| (s >> 32) as i16);
+    }
+}
+
+/// No slot: the run of an area that got none.
+const NONE: u16 = u16::MAX;
+
+/// The live areas and the frontier.
+pub(crate) struct Labels<'a> {
+    table: &'a mut [Area],
+    /// Ring of slots, two a word.
+    frontier: &'a mut [u32],
+    head: usize,
+    len: usize,
+    /// First free slot, `NONE` if all are taken.
+    free: u16,
+    next_label: u32,
+    /// Row in progress.
+    row: u16,
+}
+
+impl<'a> Labels<'a> {
+    pub fn new(table: &'a mut [Area], frontier: &'a mut [u32]) -> Self {
+        let mut labels = Self { table, frontier, head: 0, len: 0, free: NONE, next_label: 1, row: 0 };
+        labels.reset();
+        labels
+    }
+
+    /// Forgets all areas and starts again at label 1.
+    pub fn reset(&mut self) {
+        let slots = self.table.len().min(usize::from(NONE));
+        for (i, area) in self.table.iter_mut().enumerate() {
+            let next = if i + 1 < slots { i as u32 + 1 } else { u32::from(NONE) };
+            *area = Area { label: next, ..Area::EMPTY };
+        }
+        self.free = if slots > 0 { 0 } else { NONE };
+        (self.head, self.len) = (0, 0);
+        (self.next_label, self.row) = (1, 0);
+    }
+
+    /// Label of the `index`-th run of the row just labelled.
+    pub fn of_run(&self, index: usize) -> Option<Label> {
+        let area = self.table.get(usize::from(self.entry(index)))?;
+        Some(Label(area.label))
+    }
+
+    /// Labels one row. `previous` and `current` are the packed area pixels of the row before and of this row;
+    /// `moments` gives the moments of a run of this row. Returns the number of pixels that got no label.
+    pub fn label_row<S: Sink>(
+        &mut self,
+        row: usize,
+        previous: &[u32],
+        current: &[u32],
+        columns: usize,
+        wraps: bool,
+        mut moments: impl FnMut(Range<usize>) -> Moments,
+        sink: &mut S,
+    ) -> ControlFlow<(), u32> {
+        self.row = row as u16;
+        let mut above = runs(previous, columns).peekable();
+        let mut unlabelled = 0;
+        let mut found = 0;
+        let mut last_end = 0;
+        for run in runs(current, columns) {
+            while above.next_if(|a| a.end <= run.start).is_some() {
+                self.drop_run(sink)?;
+            }
+            let mut slot = NONE;
+            while let Some(a) = above.peek().filter(|a| a.start < run.end) {
+                let more = a.end > run.end;
+                let root = self.root(self.entry(0));
+                if root != NONE && slot == NONE {
+                    slot = root;
+                    self.area(slot).runs += 1;
+                } else if root != slot && root != NONE {
+                    self.join(slot, root, sink)?;
+                }
+                if more {
+                    break;
+                }
+                above.next();
+                self.drop_run(sink)?;
+            }
+            if slot == NONE {
+                slot = self.begin(&run);
+            }
+            if slot == NONE {
+                unlabelled += run.len() as u32;
+            } else {
+                let moments = moments(run.clone());
+                let area = self.area(slot);
+                area.first_column = area.first_column.min(run.start as u16);
+                area.last_column = area.last_column.max(run.end as u16 - 1);
+                area.add(&moments);
+            }
+            self.push_run(slot);
+            found += 1;
+            last_end = run.end;
+        }
+        while above.next().is_some() {
+            self.drop_run(sink)?;
+        }
+        if wraps && found > 1 && last_end == columns && current.first().is_some_and(|word| word & 1 == 1) {
+            let (first, last) = (self.root(self.entry(0)), self.root(self.entry(found - 1)));
+            if first != last && first != NONE && last != NONE {
+                self.join(first, last, sink)?;
+            }
+        }
+        self.settle();
+        ControlFlow::Continue(unlabelled)
+    }
+
+    /// Ends the scan: every area left is complete.
+    pub fn finish<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
+        self.row = self.row.wrapping_add(1);
+        while self.len > 0 {
+            self.drop_run(sink)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// A new area that begins with `run`; `NONE` if the table is full.
+    fn begin(&mut self, run: &Range<usize>) -> u16 {
+        let slot = self.free;
+        let Some(area) = self.table.get_mut(usize::from(slot)) else { return NONE };
+        self.free = area.label as u16;
+        let column = run.start as u16;
+        *area = Area {
+            label: self.next_label,
+            runs: 1,
+            first_row: self.row,
+            first_column: column,
+            last_column: column,
+            link: slot,
+            ..Area::EMPTY
+        };
+        self.next_label += 1;
+        slot
+    }
+
+    /// Joins the area of slot `gone` into that of slot `kept`, whose run of this row is to the left. The smaller label stays.
+    fn join<S: Sink>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
+        self.area(gone).link = kept;
+        let other = *self.area(gone);
+        let area = self.area(kept);
+        let join = Join { from: Label(area.label.max(other.label)), into: Label(area.label.min(other.label)) };
+        area.label = join.into.0;
+        area.first_row = area.first_row.min(other.first_row);
+        area.first_column = area.first_column.min(other.first_column);
+        area.last_column = area.last_column.max(other.last_column);
+        area.add(&other.moments());
+        sink.join(join)
+    }
+
+    /// Drops the frontier's first run: nothing can touch it any more.
+    fn drop_run<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
+        let slot = self.entry(0);
+        self.head = self.ring(1);
+        self.len -= 1;
+        if slot == NONE {
+            return ControlFlow::Continue(());
+        }
+        let row = self.row;
+        let area = self.area(slot);
+        area.runs -= 1;
+        if area.runs > 0 {
+            return ControlFlow::Continue(());
+        }
+        let area = *area;
+        self.release(slot);
+        if area.link != slot {
+            return ControlFlow::Continue(());
+        }
+        sink.segment(&Segment {
+            label: Label(area.label),
+            first_row: area.first_row,
+            last_row: row.wrapping_sub(1),
+            first_column: area.first_column,
+            last_column: area.last_column,
+            moments: area.moments(),
+        })
+    }
+
+    /// After a row: every run refers to the root of its area, and slots that were links are free.
+    fn settle(&mut self) {
+        for i in 0..self.len {
+            let slot = self.entry(i);
+            let root = self.root(slot);
+            if root != slot {
+                self.set_entry(i, root);
+                self.area(root).runs += 1;
+                let area = self.area(slot);
+                area.runs -= 1;
+                // its link stays readable until the slot is taken again, which no settling does
+                if area.runs == 0 {
+                    self.release(slot);
+                }
+            }
+        }
+    }
+
+    fn release(&mut self, slot: u16) {
+        let free = self.free;
+        self.area(slot).label = u32::from(free);
+        self.free = slot;
+    }
+
+    /// The slot that holds the area of `slot`. Halves the path as it goes.
+    fn root(&mut self, mut slot: u16) -> u16 {
+        if slot == NONE {
+            return NONE;
+        }
+        loop {
+            let link = self.area(slot).link;
+            if link == slot {
+                return slot;
+            }
+            let beyond = self.area(link).link;
+            self.area(slot).link = beyond;
+            slot = beyond;
+        }
+    }
+
+    fn area(&mut self, slot: u16) -> &mut Area {
+        &mut self.table[usize::from(slot)]
+    }
+
+    /// Place of the `index`-th run of the frontier in the ring; `index` at most its capacity.
+    fn ring(&self, index: usize) -> usize {
+        let (at, capacity) = (self.head + index, 2 * self.frontier.len());
+        if at < capacity { at } else { at - capacity }
+    }
+
+    /// Slot of the `index`-th run of the frontier.
+    fn entry(&self, index: usize) -> u16 {
+        let at = self.ring(index);
+        (self.frontier[at / 2] >> (16 * (at % 2))) as u16
+    }
+
+    fn set_entry(&mut self, index: usize, slot: u16) {
+        let at = self.ring(index);
+        let shift = 16 * (at % 2);
+        let word = &mut self.frontier[at / 2];
+        *word = (*word & !(0xffff << shift)) | (u32::from(slot) << shift);
+    }
+
+    fn push_run(&mut self, slot: u16) {
+        self.set_entry(self.len, slot);
+        self.len += 1;
+    }
+}

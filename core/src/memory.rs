@@ -1,0 +1,119 @@
+//! The memory that a segmenter works in: placed by the user, before the first row.
+
+use crate::bits::words;
+use crate::config::{Config, Trace};
+use crate::label::{Area, frontier_words, live_labels};
+use crate::segmenter::LATENCY_ROWS;
+
+/// The memory that a segmenter works in. What it holds before does not matter; longer slices than [`Sizes`] asks for are
+/// fine. [`buffers!`](crate::buffers) makes it at compile time.
+#[derive(Debug)]
+pub struct Memory<'a> {
+    /// Rows of ranges.
+    pub ranges: &'a mut [f32],
+    /// Rows of bearing angles, two per trace.
+    pub bearings: &'a mut [u16],
+    /// Rows of packed bits, and the frontier of the labels.
+    pub words: &'a mut [u32],
+    /// The table of live labels. [`live_labels`] elements are enough for every image; with fewer, an area that finds the
+    /// table full stays without a label, which [`Status`](crate::Status), [`Finished`](crate::Finished) and
+    /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
+    pub areas: &'a mut [Area],
+}
+
+/// Lengths of the slices of a [`Memory`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    /// Of [`Memory::ranges`].
+    pub ranges: usize,
+    /// Of [`Memory::bearings`].
+    pub bearings: usize,
+    /// Of [`Memory::words`].
+    pub words: usize,
+    /// Of [`Memory::areas`], for every image to find room.
+    pub areas: usize,
+}
+
+/// Packed rows in [`Memory::words`].
+pub(crate) const BIT_ROWS: usize = 10;
+
+impl Sizes {
+    /// What an image of `columns` columns needs.
+    pub const fn of(columns: usize, config: &Config<'_>) -> Sizes {
+        Sizes {
+            ranges: stored_rows(config.traces) * columns,
+            bearings: 2 * config.traces.len() * columns,
+            words: BIT_ROWS * words(columns) + frontier_words(columns),
+            areas: live_labels(columns),
+        }
+    }
+
+    /// Bytes of all slices together.
+    pub const fn bytes(&self) -> usize {
+        4 * self.ranges + 2 * self.bearings + 4 * self.words + size_of::<Area>() * self.areas
+    }
+}
+
+/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known.
+pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
+    let mut rows = LATENCY_ROWS;
+    let mut i = 0;
+    while i < traces.len() {
+        if traces[i].rows as usize > rows {
+            rows = traces[i].rows as usize;
+        }
+        i += 1;
+    }
+    rows
+}
+
+/// Owns the memory of a segmenter. Made by [`buffers!`](crate::buffers), all zeros: in a `static` it costs no flash, and
+/// it is never built on the stack.
+#[derive(Debug)]
+pub struct Buffers<const RANGES: usize, const BEARINGS: usize, const WORDS: usize, const AREAS: usize> {
+    ranges: [f32; RANGES],
+    bearings: [u16; BEARINGS],
+    words: [u32; WORDS],
+    areas: [Area; AREAS],
+}
+
+impl<const R: usize, const B: usize, const W: usize, const A: usize> Buffers<R, B, W, A> {
+    /// All zeros.
+    pub const EMPTY: Self = Self { ranges: [0.0; R], bearings: [0; B], words: [0; W], areas: [Area::EMPTY; A] };
+
+    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new).
+    pub fn memory(&mut self) -> Memory<'_> {
+        Memory {
+            ranges: &mut self.ranges,
+            bearings: &mut self.bearings,
+            words: &mut self.words,
+            areas: &mut self.areas,
+        }
+    }
+}
+
+/// The type of the [`Buffers`] for an image of so many columns, and with a third argument so many live labels. Both
+/// numbers and the [`Config`] must be constants.
+///
+/// ```
+/// use scanseg_core::{Config, Sizes, buffers};
+/// const CONFIG: Config = Config::paper();
+/// // on a microcontroller: a `static`
+/// let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
+/// let memory = buffers.memory();
+/// assert!(Sizes::of(181, &CONFIG).bytes() <= 12 * 1024);
+/// ```
+#[macro_export]
+macro_rules! buffers {
+    ($columns:expr, $config:expr) => {
+        $crate::buffers!($columns, $config, $crate::Sizes::of($columns, &$config).areas)
+    };
+    ($columns:expr, $config:expr, $areas:expr) => {
+        $crate::Buffers<
+            { $crate::Sizes::of($columns, &$config).ranges },
+            { $crate::Sizes::of($columns, &$config).bearings },
+            { $crate::Sizes::of($columns, &$config).words },
+            { $areas },
+        >
+    };
+}
