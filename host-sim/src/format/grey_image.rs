@@ -91,12 +91,15 @@ impl GreyImage {
     }
 }
 
+/// PNG's largest side, taken for PGM as well.
+const MAX_SIDE: u32 = i32::MAX as u32;
+
 const PNG_SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 fn decode_pgm(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let mut at = 2;
-    let columns = pgm_number(bytes, &mut at, "width", u32::MAX)? as usize;
-    let rows = pgm_number(bytes, &mut at, "height", u32::MAX)? as usize;
+    let columns = pgm_number(bytes, &mut at, "width", MAX_SIDE)? as usize;
+    let rows = pgm_number(bytes, &mut at, "height", MAX_SIDE)? as usize;
     let max_value = pgm_number(bytes, &mut at, "largest value", 65535)? as u16;
     match bytes.get(at) {
         Some(b) if b.is_ascii_whitespace() => at += 1,
@@ -176,23 +179,23 @@ impl From<png::DecodingError> for PngFailure {
 }
 
 fn decode_png_at(cursor: &mut Cursor<&[u8]>, file_bytes: usize) -> Result<GreyImage, PngFailure> {
-    let mut reader = png::Decoder::new(cursor).read_info()?;
-    let info = reader.info();
-    let (rows, columns) = (info.height as usize, info.width as usize);
-    let (colour, depth) = (info.color_type, info.bit_depth);
-    let plain = info.trns.is_none() && info.animation_control.is_none();
+    let mut decoder = png::Decoder::new(cursor);
+    let header = decoder.read_header_info()?;
+    let (rows, columns) = (header.height as usize, header.width as usize);
+    let (colour, depth) = (header.color_type, header.bit_depth);
+    let wide = depth == png::BitDepth::Sixteen;
+    // Deflate packs at most 1032 bytes into one: a size beyond that is a false claim, for which nothing is allocated.
+    let needed = rows as u128 * columns as u128 * if wide { 2 } else { 1 };
+    if needed > 1032 * file_bytes as u128 {
+        return Err(PngFailure::Other(ImageError::PngSize { rows, columns, file_bytes }));
+    }
+
+    let mut reader = decoder.read_info()?;
+    let plain = reader.info().trns.is_none() && reader.info().animation_control.is_none();
     if colour != png::ColorType::Grayscale || !matches!(depth as u8, 8 | 16) || !plain {
         let extra = if plain { "" } else { ", transparent or animated" };
         let found = format!("{colour:?}, {} bits{extra}", depth as u8);
         return Err(PngFailure::Other(ImageError::PngKind { found }));
-    }
-    let wide = depth == png::BitDepth::Sixteen;
-
-    // Deflate packs at most 1032 bytes into one, so that a size beyond that is a false claim: nothing is allocated for it.
-    let needed = (rows as u128) * (columns as u128) * if wide { 2 } else { 1 };
-    if needed > 1032 * file_bytes as u128 {
-        let size = ImageError::PngSize { rows, columns, file_bytes };
-        return Err(PngFailure::Other(size));
     }
     let mut data = vec![0; needed as usize];
     reader.next_frame(&mut data)?;
