@@ -1,7 +1,7 @@
 //! The geometry of a range image: where each pixel's beam points, and what its values mean.
 //!
-//! Directions are unit vectors, x forward, y left, z up. Angles are degrees, as in the geometry file, whose reading and
-//! writing is in [`super::geometry_toml`].
+//! Directions are unit vectors, x forward, y left, z up. Angles are degrees, as in the geometry file, which
+//! [`Geometry::read`] and [`Geometry::to_toml`] read and write.
 use std::error::Error;
 use std::fmt;
 

@@ -42,8 +42,8 @@ impl RangeImage {
     }
 
     /// The counts of the ranges, to the nearest, in an image of 16 bits. A range that is not above 0, infinite or not a
-    /// number is no return, 0. One that rounds to 0 or to a count of `no_return` reads back as no return, and so does one
-    /// beyond the limits of the geometry.
+    /// number is no return, 0. One that rounds to 0 or to a count of `no_return` reads back as no return, and so does
+    /// one beyond the limits of the geometry.
     ///
     /// # Errors
     /// If the geometry does not fit the image, or a range needs a count above 65535.
