@@ -1,2 +1,11 @@
 //! Files: range images, their geometry, label images.
+pub mod file;
 pub mod geometry;
+mod geometry_toml;
+pub mod grey_image;
+pub mod range_image;
+
+pub use file::{FileError, write_all_or_none, write_atomic};
+pub use geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+pub use grey_image::{GreyImage, ImageError};
+pub use range_image::{RangeError, RangeImage};
