@@ -161,6 +161,16 @@ mod tests {
         assert_eq!(returns, [None, Some(1.0), Some(4.0), None]);
     }
 
+    #[test]
+    fn beams_too_near_to_each_other() {
+        let beam_rad = vec![0.0, 0.9e-5, 2.0e-5];
+        let beams = Beams::Nodding { beam_rad, turn_rad: vec![0.0], axis: TurnAxis::Y };
+        let image = Image::new(Size { rows: 1, columns: 3, wraps: false }, vec![2.0; 3]);
+        let bearing = bearing_angles(&image, &beams, Trace::HORIZONTAL);
+        assert_eq!(bearing[..2], [None; 2]);
+        assert!((bearing[2].unwrap() - (PI / 2.0 - 0.55e-5)).abs() < 1e-9);
+    }
+
     /// A full circle of equal ranges: the same angle everywhere, across the seam too.
     #[test]
     fn wraps_around() {

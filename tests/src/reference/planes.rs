@@ -213,7 +213,9 @@ mod tests {
         );
         let beams = Beams::Pinhole { fx: 10.0, fy: 10.0, cx: 2.0, cy: 1.0 };
         let size = picture.size(false);
-        let labels = picture.to_labels();
+        let mut labels = picture.to_labels();
+        // A label without a return counts for nothing.
+        labels[size.index(3, 4)] = 2;
         let depth_m = picture.map(|pixel| match pixel {
             'b' => 3.0,
             ' ' => 0.0,
