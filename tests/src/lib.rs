@@ -1,1 +1,3 @@
 //! Slow, obvious models of what scanseg does, for its tests.
+pub mod art;
+pub mod reference;
