@@ -13,6 +13,7 @@
 use core::ops::{ControlFlow, Range};
 
 use crate::bits::runs;
+use crate::closing::Shape;
 use crate::event::{Join, Label, Segment, Sink};
 use crate::plane::{FIRST_MAX, Moments};
 
@@ -126,11 +127,11 @@ impl<'a> Labels<'a> {
         row: usize,
         previous: &[u32],
         current: &[u32],
-        columns: usize,
-        wraps: bool,
+        shape: &Shape,
         mut moments: impl FnMut(Range<usize>) -> Moments,
         sink: &mut S,
     ) -> ControlFlow<(), u32> {
+        let Shape { columns, wraps, .. } = *shape;
         self.row = row as u16;
         let mut above = runs(previous, columns).peekable();
         let mut unlabelled = 0;

@@ -274,7 +274,7 @@ impl<'a> EdgeSegmenter<'a> {
 
         let (even, odd) = self.bearings[2 * index * columns..][..2 * columns].split_at_mut(columns);
         // rows r - 1 and r - 2; row r takes the place of r - 2 once that was used
-        let (centre_row, above_row) = if row % 2 == 0 { (&*odd, even) } else { (&*even, odd) };
+        let (centre_row, above_row) = if row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
         let BitRows { steps: step_row, edges, .. } = &mut self.bits;
         // before row 0 there is no row, and what is found for it is not used
         let edge_row = &mut *edges[(row + 2) % 3];
@@ -323,7 +323,7 @@ impl<'a> EdgeSegmenter<'a> {
     /// Closing and labels for the rows that row `row` decides. Gives the unlabelled pixels of row `row - LATENCY_ROWS`,
     /// or `None` where there is no such row yet.
     fn decide<S: Sink>(&mut self, row: usize, sink: &mut S) -> ControlFlow<(), Option<u32>> {
-        let Shape { columns, wraps, .. } = self.shape;
+        let columns = self.shape.columns;
         let rows = self.rows;
         let BitRows { edges, dilated, returns, areas, .. } = &mut self.bits;
         if let Some(edge) = row.checked_sub(1).filter(|&edge| edge < rows) {
@@ -340,7 +340,8 @@ impl<'a> EdgeSegmenter<'a> {
             return ControlFlow::Continue(None);
         }
         let (even, odd) = areas.split_at_mut(1);
-        let (current, before) = if done % 2 == 0 { (&mut *even[0], &*odd[0]) } else { (&mut *odd[0], &*even[0]) };
+        let (current, before) =
+            if done.is_multiple_of(2) { (&mut *even[0], &*odd[0]) } else { (&mut *odd[0], &*even[0]) };
         let above = within(done.checked_sub(1)).map(|i| &*dilated[i]);
         let below = within(Some(done + 1)).map(|i| &*dilated[i]);
         self.shape.erode(above, &*dilated[done % 3], below, current);
@@ -354,7 +355,7 @@ impl<'a> EdgeSegmenter<'a> {
         let frame = self.fan.frame(at);
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let moments = |run| points.moments(run);
-        let unlabelled = self.labels.label_row(done, before, current, columns, wraps, moments, sink)?;
+        let unlabelled = self.labels.label_row(done, before, current, &self.shape, moments, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
         sink.row(&LabelRow { row: done, columns, returns, areas: current, labels: &self.labels })?;
         ControlFlow::Continue(Some(unlabelled))
