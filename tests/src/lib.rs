@@ -1,1 +1,2 @@
 //! Slow, obvious models of what scanseg does, for its tests.
+pub mod hoover;
