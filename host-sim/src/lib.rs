@@ -2,3 +2,4 @@
 //! the `scanseg` command writes.
 pub mod format;
 pub mod hoover;
+pub mod office;
