@@ -2,3 +2,5 @@
 //! the `scanseg` command writes.
 pub mod format;
 pub mod picture;
+pub mod hoover;
+pub mod office;
