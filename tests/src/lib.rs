@@ -1,4 +1,4 @@
 //! Slow, obvious models of what scanseg does, for its tests.
 pub mod art;
-pub mod reference;
 pub mod hoover;
+pub mod reference;
