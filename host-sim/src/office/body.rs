@@ -272,6 +272,7 @@ mod tests {
         assert_eq!(hit(&builder, [3.5, 0.0, 0.0], [0.0, 0.0, 1.0]), Some((0.75, 6)));
         assert_eq!(hit(&builder, [0.0, 0.6, 1.0], [1.0, 0.0, 0.0]), None);
         assert_eq!(hit(&builder, [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]), None);
+        assert_eq!(hit(&builder, [3.0, 0.0, 1.0], [1.0, 0.0, 0.0]), None, "from inside");
     }
 
     #[test]

@@ -10,9 +10,10 @@
 //! # Ok::<(), scanseg_sim::office::SensorError>(())
 //! ```
 //!
-//! Rooms are 5 to 9 m long and 4 to 7 m wide, with windows that return nothing, a door, and furniture made of many small
-//! surfaces; the scanner stands in them at 0.5 to 1.2 m, level. Every number comes from a generator and from functions
-//! that give the same bits on every platform.
+//! Rooms are 5 to 9 m long and 4 to 7 m wide, with windows that return nothing, a door, and furniture made of many
+//! small surfaces; the scanner stands in them at 0.5 to 1.2 m, level. Every number comes from a generator and from
+//! functions that give the same bits on every platform. At 200 x 361 pixels over 100 x 180 degrees a scene shows 13 to
+//! 37 surfaces of 30 pixels or more: 619 in the 25 tuning scenes, 656 in the 25 validation scenes.
 
 mod body;
 mod furniture;
@@ -55,8 +56,8 @@ impl Scene {
         Self { bodies: builder.bodies, position, heading: Place::new(0.0, 0.0, heading_deg), set, number }
     }
 
-    /// The first surface that a beam meets: range in metres and surface id. `direction` is a unit vector in the scanner's
-    /// frame. None where the beam is lost in a window.
+    /// The first surface that a beam meets: range in metres and surface id. `direction` is a unit vector in the
+    /// scanner's frame. None where the beam is lost in a window.
     pub fn cast(&self, direction: [f64; 3]) -> Option<(f64, u16)> {
         let ray = self.heading.direction(direction);
         let mut nearest = (f64::INFINITY, 0);

@@ -93,7 +93,8 @@ impl Room {
         (0..3).find_map(|i| self.at_wall(1 + (first + i) % 3, size)).or_else(|| self.at_wall(0, size))
     }
 
-    /// A free spot away from the walls and from the scanner, turned up to `turn_deg` either way from one of the room's four directions.
+    /// A free spot away from the walls and from the scanner, turned up to `turn_deg` either way from one of the room's
+    /// four directions.
     pub fn in_the_open(&mut self, [depth, width]: [f64; 2], turn_deg: f64) -> Option<Place> {
         for _ in 0..24 {
             let (x, y) = (self.rng.between(0.5, self.length - 0.5), self.rng.between(0.5, self.width - 0.5));
@@ -108,7 +109,7 @@ impl Room {
         None
     }
 
-    /// Takes the floor of something at a given place: depth to both sides of it, width likewise.
+    /// Takes the floor around the middle of something of this depth and width; false where it is not free.
     pub fn claim(&mut self, place: &Place, [depth, width]: [f64; 2]) -> bool {
         self.take(place, [-depth / 2.0, -width / 2.0, depth / 2.0, width / 2.0])
     }

@@ -26,8 +26,9 @@ pub struct Sensor {
     pub quantisation_m: f64,
     /// Probability that a beam returns nothing, 0 to 1.
     pub drop_out: f64,
-    /// Probability, 0 to 1, that a beam next to a depth edge (one of its four neighbours is on another surface and 0.1 m
-    /// or more nearer or farther) returns a range uniformly between the two. Its truth stays the surface it points at.
+    /// Probability, 0 to 1, that a beam next to a depth edge (one of its four neighbours is on another surface and
+    /// 0.1 m or more nearer or farther) returns a range uniformly between the two. Its truth stays the surface it
+    /// points at.
     pub mixed_pixels: f64,
     /// Returns farther than this are lost, metres, above 0. Infinite for no limit.
     pub max_range_m: f64,
