@@ -210,7 +210,12 @@ impl<'a> Fan<'a> {
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
             Beams::Nodding { columns, .. } => {
-                let turn_vers = vers(now.turn_rad - before.turn_rad);
+                let turn_rad = now.turn_rad - before.turn_rad;
+                let turn_half_sin = libm::sinf(0.5 * turn_rad).abs();
+                if offset == 0 && turn_half_sin < MAX_HALF_SIN {
+                    return Pair::Tilted { turn_half_sin };
+                }
+                let turn_vers = vers(turn_rad);
                 return Pair::Nodding { offset, turn_vers, column_vers: even_vers(columns, offset) };
             }
             Beams::Spinning { columns, .. } => {
@@ -233,6 +238,17 @@ impl<'a> Fan<'a> {
     #[inline]
     pub fn angles(&self, pair: &Pair, from: usize, count: usize, sin: &mut Lane, vers_phi: &mut Lane) {
         match (pair, &self.beams) {
+            (&Pair::Tilted { turn_half_sin }, Beams::Nodding { columns, .. }) => {
+                self.cos_sin(columns, from as isize, vers_phi, sin);
+                for i in 0..CHUNK {
+                    // sin(Phi / 2), its square, and cos(Phi / 2) by its series
+                    let s = vers_phi[i].abs() * turn_half_sin;
+                    let t = s * s;
+                    let c = 1.0 - t * (0.5 + t * (0.125 + t * 0.0625));
+                    sin[i] = 2.0 * s * c;
+                    vers_phi[i] = 2.0 * t;
+                }
+            }
             (&Pair::Nodding { offset, turn_vers, column_vers }, Beams::Nodding { columns, .. }) => {
                 let (mut cos, mut cos_before) = ([0.0; CHUNK], [0.0; CHUNK]);
                 self.cos_sin(columns, from as isize, &mut cos, sin);
@@ -315,11 +331,16 @@ impl<'a> Fan<'a> {
     }
 }
 
+/// Up to here the series of [`Fan::angles`] for cos(Phi / 2) is exact to 1e-8: turns of 16 deg.
+const MAX_HALF_SIN: f32 = 0.14;
+
 /// What the angles between a trace's beams depend on, for one row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pair {
     /// The same for all columns.
     Same(BeamAngle),
+    /// Rows of a nodding scanner, same column, less than [`MAX_HALF_SIN`] apart.
+    Tilted { turn_half_sin: f32 },
     /// Rows of a nodding scanner; vers of the difference of the column angles if they are even.
     Nodding { offset: isize, turn_vers: f32, column_vers: Option<f32> },
     /// Listed column angles: vers Phi = rows_vers + scale * vers of their difference.

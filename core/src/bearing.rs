@@ -117,12 +117,10 @@ pub fn bearing_row(
     let beam = |row: Row| RowBeam { row: row.row, turn_rad: row.turn_rad };
     let mut lanes = TraceRow::new(&fan, trace, beam(now), beam(before), columns);
     for (i, out) in out.chunks_mut(CHUNK).enumerate() {
-        lanes.chunk(i * CHUNK, now.ranges_m, before.ranges_m, config, |i, now_m, before_m, count| {
-            let _ = (now_m, before_m);
-            if let Some(out) = out.get_mut(i) {
-                *out = count as u16;
-            }
-        });
+        let pairs = lanes.chunk(i * CHUNK, now.ranges_m, before.ranges_m);
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = pairs.get(i, config).2 as u16;
+        }
     }
     Ok(())
 }
@@ -146,18 +144,10 @@ impl<'a> TraceRow<'a> {
         Self { fan, trace, columns, pair, sin: [sin; CHUNK], vers: [vers; CHUNK], copies: [[0.0; CHUNK]; 2] }
     }
 
-    /// Calls `each(i, range, previous range, count)` for the 32 columns of the chunk that starts at column `from`, past the
-    /// end of the row too. Ranges are 0 where there is no return, counts 0 where there is no bearing angle. `before_m` is
-    /// the row that the trace reaches back to, `now_m` itself for a trace along the row.
+    /// The chunk that starts at column `from`. `before_m` is the row that the trace reaches back to, `now_m` itself for a
+    /// trace along the row.
     #[inline(always)]
-    pub fn chunk(
-        &mut self,
-        from: usize,
-        now_m: &[f32],
-        before_m: &[f32],
-        config: &Config,
-        mut each: impl FnMut(usize, f32, f32, i32),
-    ) {
+    pub fn chunk<'b>(&'b mut self, from: usize, now_m: &'b [f32], before_m: &'b [f32]) -> Pairs<'b> {
         self.fan.angles(&self.pair, from, self.columns, &mut self.sin, &mut self.vers);
         let [now_copy, before_copy] = &mut self.copies;
         let now_m = load(now_m, from, now_copy);
@@ -170,19 +160,43 @@ impl<'a> TraceRow<'a> {
                 before_copy
             }
         };
-        for i in 0..CHUNK {
-            let (now_m, before_m) = (config.clean(now_m[i]), config.clean(before_m[i]));
-            let angle = BeamAngle { sin: self.sin[i], vers: self.vers[i] };
-            each(i, now_m, before_m, count(now_m, before_m, angle));
-        }
+        Pairs { now_m, before_m, sin: &self.sin, vers: &self.vers }
+    }
+}
+
+/// The pairs of pixels of a chunk of a trace: ranges as they were pushed, and the angles between the beams. Ranges are 0
+/// outside of the image.
+pub(crate) struct Pairs<'a> {
+    now_m: &'a [f32; CHUNK],
+    before_m: &'a [f32; CHUNK],
+    sin: &'a [f32; CHUNK],
+    vers: &'a [f32; CHUNK],
+}
+
+impl Pairs<'_> {
+    /// Range, previous range (0 for no return) and bearing angle in counts (0 for none) of the `i`-th pair.
+    #[inline(always)]
+    pub fn get(&self, i: usize, config: &Config) -> (f32, f32, i32) {
+        let (now_m, before_m) = (config.clean(self.now_m[i]), config.clean(self.before_m[i]));
+        (now_m, before_m, count(now_m, before_m, BeamAngle { sin: self.sin[i], vers: self.vers[i] }))
     }
 }
 
 /// The ranges of the columns from `first` on; 0 outside of the image.
 #[inline(never)]
 fn gather(row_m: &[f32], first: isize, wraps: bool, out: &mut [f32; CHUNK]) {
-    for (out, column) in out.iter_mut().zip(first..) {
-        let column = if wraps { column.rem_euclid(row_m.len() as isize) } else { column };
-        *out = usize::try_from(column).ok().and_then(|c| row_m.get(c)).copied().unwrap_or(0.0);
+    *out = [0.0; CHUNK];
+    let columns = row_m.len() as isize;
+    let (start, end) = (first.clamp(0, columns), (first + CHUNK as isize).clamp(0, columns));
+    let inside = row_m.get(start as usize..end as usize).unwrap_or_default();
+    for (out, &range_m) in out.iter_mut().skip((start - first) as usize).zip(inside) {
+        *out = range_m;
+    }
+    if wraps {
+        for (out, column) in out.iter_mut().zip(first..) {
+            if !(0..columns).contains(&column) {
+                *out = row_m[column.rem_euclid(columns) as usize];
+            }
+        }
     }
 }

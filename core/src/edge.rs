@@ -7,7 +7,7 @@
 //! Step edges: a bearing angle near 0 or pi, where the range changes by more than the noise.
 
 use crate::beam::round;
-use crate::bearing::COUNTS_PER_RAD;
+use crate::bearing::{COUNTS_PER_RAD, Pairs};
 use crate::bits::{CHUNK, pack};
 use crate::config::Config;
 
@@ -34,7 +34,7 @@ impl Thresholds {
 
 /// A bearing angle as Sobel takes it: 1 to 8192 for counts of 1 to 65535, 0 for none.
 #[inline(always)]
-pub(crate) fn eighth(count: i32) -> u16 {
+fn eighth(count: i32) -> u16 {
     ((count + 7) >> 3) as u16
 }
 
@@ -75,10 +75,18 @@ fn sobel<const GAPS: bool>(above: &Halo, centre: &Halo, below: &Halo, thresholds
     pack(&edges)
 }
 
-/// Whether a pixel is a step edge of its trace.
-#[inline(always)]
-pub(crate) fn is_step(count: i32, range_m: f32, previous_range_m: f32, thresholds: &Thresholds) -> bool {
-    let near = (2 * count - 65535).abs() >= 65535 - 2 * thresholds.step;
-    let jump = (range_m - previous_range_m).abs() > thresholds.step_range_m;
-    near & jump & (count != 0)
+/// Bearing angles of a chunk in eighths; returns its step edges, packed.
+// A function of its own: what it is given cannot overlap what it writes, and the compiler knows.
+#[inline(never)]
+pub(crate) fn bearings(pairs: &Pairs, config: &Config, thresholds: &Thresholds, eighths: &mut [u16; CHUNK]) -> u32 {
+    let (config, thresholds) = (*config, *thresholds);
+    let mut steps = [false; CHUNK];
+    for i in 0..CHUNK {
+        let (range_m, previous_range_m, count) = pairs.get(i, &config);
+        let near = (2 * count - 65535).abs() >= 65535 - 2 * thresholds.step;
+        let jump = (range_m - previous_range_m).abs() > thresholds.step_range_m;
+        steps[i] = near & jump & (count != 0);
+        eighths[i] = eighth(count);
+    }
+    pack(&steps)
 }

@@ -15,7 +15,7 @@ use core::ops::{ControlFlow, Range};
 use crate::bits::runs;
 use crate::closing::Shape;
 use crate::event::{Join, Label, Segment, Sink};
-use crate::plane::{FIRST_MAX, Moments};
+use crate::plane::{Moments, exact_points};
 
 /// Live labels that every image of this width can make do with.
 pub const fn live_labels(columns: usize) -> usize {
@@ -67,10 +67,14 @@ impl Area {
         Moments { points: self.points, first, second: self.second }
     }
 
-    fn add(&mut self, more: &Moments) {
+    /// `exact` is the number of points up to which no sum can overflow.
+    fn add(&mut self, more: &Moments, exact: u32) {
         let mut sum = self.moments();
-        sum.merge(more);
-        debug_assert!(sum.first.iter().all(|s| s.abs() <= FIRST_MAX));
+        if sum.points.saturating_add(more.points) <= exact {
+            sum.merge_exact(more);
+        } else {
+            sum.merge(more);
+        }
         self.points = sum.points;
         self.second = sum.second;
         self.first_low = sum.first.map(|s| s as u32);
@@ -93,11 +97,14 @@ pub(crate) struct Labels<'a> {
     next_label: u32,
     /// Row in progress.
     row: u16,
+    /// Points up to which no sum of an area can overflow.
+    exact_points: u32,
 }
 
 impl<'a> Labels<'a> {
-    pub fn new(table: &'a mut [Area], frontier: &'a mut [u32]) -> Self {
-        let mut labels = Self { table, frontier, head: 0, len: 0, free: NONE, next_label: 1, row: 0 };
+    pub fn new(table: &'a mut [Area], frontier: &'a mut [u32], max_range_m: f32) -> Self {
+        let exact_points = exact_points(max_range_m);
+        let mut labels = Self { table, frontier, head: 0, len: 0, free: NONE, next_label: 1, row: 0, exact_points };
         labels.reset();
         labels
     }
@@ -163,11 +170,11 @@ impl<'a> Labels<'a> {
             if slot == NONE {
                 unlabelled += run.len() as u32;
             } else {
-                let moments = moments(run.clone());
+                let (moments, exact) = (moments(run.clone()), self.exact_points);
                 let area = self.area(slot);
                 area.first_column = area.first_column.min(run.start as u16);
                 area.last_column = area.last_column.max(run.end as u16 - 1);
-                area.add(&moments);
+                area.add(&moments, exact);
             }
             self.push_run(slot);
             found += 1;
@@ -217,14 +224,14 @@ impl<'a> Labels<'a> {
     /// Joins the area of slot `gone` into that of slot `kept`, whose run of this row is to the left. The smaller label stays.
     fn join<S: Sink>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
         self.area(gone).link = kept;
-        let other = *self.area(gone);
+        let (other, exact) = (*self.area(gone), self.exact_points);
         let area = self.area(kept);
         let join = Join { from: Label(area.label.max(other.label)), into: Label(area.label.min(other.label)) };
         area.label = join.into.0;
         area.first_row = area.first_row.min(other.first_row);
         area.first_column = area.first_column.min(other.first_column);
         area.last_column = area.last_column.max(other.last_column);
-        area.add(&other.moments());
+        area.add(&other.moments(), exact);
         sink.join(join)
     }
 

@@ -1,6 +1,6 @@
 //! The memory that a segmenter works in: placed by the user, before the first row.
 
-use crate::bits::words;
+use crate::bits::{CHUNK, words};
 use crate::config::{Config, Trace};
 use crate::label::{Area, frontier_words, live_labels};
 use crate::segmenter::LATENCY_ROWS;
@@ -34,6 +34,11 @@ pub struct Sizes {
     pub areas: usize,
 }
 
+/// Length of a row of bearing angles: whole chunks, and one column more at either end.
+pub(crate) const fn padded_row(columns: usize) -> usize {
+    words(columns) * CHUNK + 2
+}
+
 /// Packed rows in [`Memory::words`].
 pub(crate) const BIT_ROWS: usize = 10;
 
@@ -42,7 +47,7 @@ impl Sizes {
     pub const fn of(columns: usize, config: &Config<'_>) -> Sizes {
         Sizes {
             ranges: stored_rows(config.traces) * columns,
-            bearings: 2 * config.traces.len() * columns,
+            bearings: 2 * config.traces.len() * padded_row(columns),
             words: BIT_ROWS * words(columns) + frontier_words(columns),
             areas: live_labels(columns),
         }

@@ -39,6 +39,18 @@ impl Moments {
         }
     }
 
+    /// [`Moments::merge`] for sums that cannot overflow.
+    #[inline]
+    pub(crate) fn merge_exact(&mut self, other: &Moments) {
+        self.points += other.points;
+        for (a, b) in self.first.iter_mut().zip(other.first) {
+            *a = a.wrapping_add(b);
+        }
+        for (a, b) in self.second.iter_mut().zip(other.second) {
+            *a = a.wrapping_add(b);
+        }
+    }
+
     /// The moments of both sets of points together. Saturates; see [`Moments::is_exact`].
     pub fn merge(&mut self, other: &Moments) {
         self.points = self.points.saturating_add(other.points);
@@ -123,7 +135,14 @@ impl Moments {
 }
 
 /// Largest first moment that an area keeps.
-pub(crate) const FIRST_MAX: i64 = (1 << 47) - 1;
+const FIRST_MAX: i64 = (1 << 47) - 1;
+
+/// Points within `max_range_m` up to which no sum can overflow.
+pub(crate) fn exact_points(max_range_m: f32) -> u32 {
+    let units = max_range_m / POINT_UNIT_M + 1.0;
+    // a cast from float saturates
+    ((i64::MAX as f32 / (units * units)).min(FIRST_MAX as f32 / units) * 0.99) as u32
+}
 
 /// A plane: the points p with `normal . p + distance_m = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]

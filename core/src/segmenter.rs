@@ -15,11 +15,11 @@ use crate::bearing::TraceRow;
 use crate::bits::{CHUNK, load, mask, pack, store, words};
 use crate::closing::Shape;
 use crate::config::{Config, MAX_TRACE_ROWS};
-use crate::edge::{Halo, Thresholds, eighth, is_step, roofs};
+use crate::edge::{Thresholds, bearings, roofs};
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, Sink};
 use crate::label::{Labels, frontier_words};
-use crate::memory::{Memory, Sizes};
+use crate::memory::{Memory, Sizes, padded_row};
 use crate::plane::Moments;
 
 /// Rows between the row pushed and the row whose labels it decides.
@@ -78,6 +78,20 @@ struct BitRows<'a> {
     areas: [&'a mut [u32]; 2],
 }
 
+impl<'a> BitRows<'a> {
+    fn of(bits: &'a mut [u32], columns: usize) -> Self {
+        let mut rows = bits.chunks_exact_mut(words(columns));
+        let mut row = || rows.next().unwrap_or_default();
+        Self {
+            steps: row(),
+            edges: [row(), row(), row()],
+            dilated: [row(), row(), row()],
+            returns: row(),
+            areas: [row(), row()],
+        }
+    }
+}
+
 /// Segments a scan while it comes in, row by row, by the edges in its bearing-angle images.
 ///
 /// ```
@@ -118,9 +132,10 @@ pub struct EdgeSegmenter<'a> {
     turns_rad: [f32; MAX_TRACE_ROWS as usize + 1],
     /// Ranges of the last rows, row q at q % stored rows; 0 for no return.
     ranges: &'a mut [f32],
-    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2.
+    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2, column c at c + 1.
     bearings: &'a mut [u16],
-    bits: BitRows<'a>,
+    /// See [`BitRows`].
+    bits: &'a mut [u32],
     labels: Labels<'a>,
 }
 
@@ -145,17 +160,8 @@ impl<'a> EdgeSegmenter<'a> {
         }
         let ranges = &mut memory.ranges[..needed.ranges];
         let bearings = &mut memory.bearings[..needed.bearings];
-        let (frontier, rest) = memory.words.split_at_mut(frontier_words(columns));
-        let mut rows = rest.chunks_exact_mut(words(columns));
-        let mut row = || rows.next().unwrap_or_default();
-        let bits = BitRows {
-            steps: row(),
-            edges: [row(), row(), row()],
-            dilated: [row(), row(), row()],
-            returns: row(),
-            areas: [row(), row()],
-        };
-        let labels = Labels::new(memory.areas, frontier);
+        let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
+        let labels = Labels::new(memory.areas, frontier, config.max_range_m);
         let shape = Shape { columns, wraps: fan.wraps(), element: config.closing };
         let thresholds = Thresholds::new(&config);
         let turns_rad = [0.0; MAX_TRACE_ROWS as usize + 1];
@@ -170,10 +176,7 @@ impl<'a> EdgeSegmenter<'a> {
         self.rows = 0;
         self.unlabelled = 0;
         self.bearings.fill(0);
-        let [areas, earlier] = &mut self.bits.areas;
-        for row in [&mut *self.bits.steps, areas, earlier] {
-            row.fill(0);
-        }
+        self.bits.fill(0);
         self.labels.reset();
     }
 
@@ -272,51 +275,54 @@ impl<'a> EdgeSegmenter<'a> {
         let config = self.config;
         let mut bearings = Bearings { config: &config, thresholds: self.thresholds, lanes, now, before };
 
-        let (even, odd) = self.bearings[2 * index * columns..][..2 * columns].split_at_mut(columns);
+        let padded = padded_row(columns);
+        let (even, odd) = self.bearings[2 * index * padded..][..2 * padded].split_at_mut(padded);
         // rows r - 1 and r - 2; row r takes the place of r - 2 once that was used
         let (centre_row, above_row) = if row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let BitRows { steps: step_row, edges, .. } = &mut self.bits;
+        let BitRows { steps: step_row, edges, .. } = BitRows::of(self.bits, columns);
         // before row 0 there is no row, and what is found for it is not used
         let edge_row = &mut *edges[(row + 2) % 3];
-        let chunks = words(columns);
         let last = columns - 1;
 
-        // the columns beyond the left and right ends, of (above, centre, below)
-        let mut left = [0; 3];
-        let mut beyond = [0; 3];
-        let mut next = [0; CHUNK];
+        let mut below = [0; CHUNK + 2];
+        let (mut current, mut next) = ([0; CHUNK], [0; CHUNK]);
         if wraps {
             bearings.chunk(last / CHUNK, &mut next);
-            left = [above_row[last], centre_row[last], next[last % CHUNK]];
+            below[0] = next[last % CHUNK];
         }
         let mut next_steps = bearings.chunk(0, &mut next);
-        if wraps {
-            beyond = [above_row[0], centre_row[0], next[0]];
-        }
-        for chunk in 0..chunks {
+        let first = next[0];
+        for (chunk, (edge_word, step_word)) in edge_row.iter_mut().zip(step_row).enumerate() {
             let from = chunk * CHUNK;
-            let here = (columns - from).min(CHUNK);
+            let earlier = current;
+            current = next;
             let steps = next_steps & mask(chunk, columns);
-            let mut below = [0; CHUNK + 2];
-            below[1..=CHUNK].copy_from_slice(&next);
-            let mut right = beyond;
-            if chunk + 1 < chunks {
+            below[1..=CHUNK].copy_from_slice(&current);
+            if from + CHUNK < columns {
                 next_steps = bearings.chunk(chunk + 1, &mut next);
-                right = [above_row[from + CHUNK], centre_row[from + CHUNK], next[0]];
+                below[CHUNK + 1] = next[0];
+            } else if wraps {
+                below[last - from + 2] = first;
             }
-            let above = halo(left[0], above_row, from, right[0], here);
-            let centre = halo(left[1], centre_row, from, right[1], here);
-            (below[0], below[here + 1]) = (left[2], right[2]);
-            left = [above[here], centre[here], below[here]];
-            let roofs = roofs(&above, &centre, &below, &self.thresholds) & mask(chunk, columns);
+            let halo =
+                |row: &[u16]| row.get(from..).and_then(|row| row.first_chunk().copied()).unwrap_or([0; CHUNK + 2]);
+            let roofs = roofs(&halo(above_row), &halo(centre_row), &below, &self.thresholds) & mask(chunk, columns);
             if index == 0 {
-                edge_row[chunk] = roofs | step_row[chunk];
-                step_row[chunk] = steps;
+                *edge_word = roofs | *step_word;
+                *step_word = steps;
             } else {
-                edge_row[chunk] |= roofs;
-                step_row[chunk] |= steps;
+                *edge_word |= roofs;
+                *step_word |= steps;
             }
-            store(above_row, from, &below[1..]);
+            below[0] = current[CHUNK - 1];
+            // one chunk late, because this chunk still needed the column to its left
+            if chunk > 0 {
+                store(above_row, from - CHUNK + 1, &earlier);
+            }
+        }
+        store(above_row, last / CHUNK * CHUNK + 1, &current);
+        if wraps {
+            (above_row[0], above_row[columns + 1]) = (above_row[columns], above_row[1]);
         }
     }
 
@@ -325,7 +331,7 @@ impl<'a> EdgeSegmenter<'a> {
     fn decide<S: Sink>(&mut self, row: usize, sink: &mut S) -> ControlFlow<(), Option<u32>> {
         let columns = self.shape.columns;
         let rows = self.rows;
-        let BitRows { edges, dilated, returns, areas, .. } = &mut self.bits;
+        let BitRows { edges, dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
         if let Some(edge) = row.checked_sub(1).filter(|&edge| edge < rows) {
             sink.edges(&EdgeRow { row: edge, columns, words: edges[edge % 3] })?;
         }
@@ -362,15 +368,6 @@ impl<'a> EdgeSegmenter<'a> {
     }
 }
 
-/// The chunk of `here` columns that starts at column `from`, with the columns beside it.
-#[inline(always)]
-fn halo(left: u16, row: &[u16], from: usize, right: u16, here: usize) -> Halo {
-    let mut halo = [0; CHUNK + 2];
-    halo[1..=CHUNK].copy_from_slice(load(row, from, &mut [0; CHUNK]));
-    (halo[0], halo[here + 1]) = (left, right);
-    halo
-}
-
 /// Bearing angles of a row along one trace, chunk by chunk.
 struct Bearings<'a> {
     config: &'a Config<'a>,
@@ -390,14 +387,8 @@ impl Bearings<'_> {
             *eighths = [0; CHUNK];
             return 0;
         };
-        // arrays and thresholds of its own, so that the compiler need not look whether slices overlap
-        let (mut out, mut steps, thresholds) = ([0; CHUNK], [false; CHUNK], self.thresholds);
-        self.lanes.chunk(chunk * CHUNK, now, self.before.unwrap_or(now), self.config, |i, now_m, before_m, count| {
-            out[i] = eighth(count);
-            steps[i] = is_step(count, now_m, before_m, &thresholds);
-        });
-        *eighths = out;
-        pack(&steps)
+        let pairs = self.lanes.chunk(chunk * CHUNK, now, self.before.unwrap_or(now));
+        bearings(&pairs, self.config, &self.thresholds, eighths)
     }
 }
 
