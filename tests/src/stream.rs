@@ -229,8 +229,8 @@ pub enum Event {
 /// A sink that records everything.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
-    /// Columns of the image: only rows of labels tell.
-    columns: usize,
+    /// Columns of the image, as rows of labels tell.
+    pub columns: usize,
     /// In the order in which they came.
     pub events: Vec<Event>,
     /// What each push returned.
@@ -358,12 +358,13 @@ impl Record {
         }
         assert!((edges, done) == (rows, rows) && seen.is_empty());
         assert_eq!(ended.len(), begun as usize, "every label ends once");
+        let unlabelled = if rows > 0 { self.unlabelled(self.columns) } else { Vec::new() };
         let expected = |row: usize| match row.checked_sub(LATENCY_ROWS) {
             None => Status::Buffered,
-            Some(row) => Status::Labelled { row, unlabelled: self.unlabelled(self.columns)[row] },
+            Some(row) => Status::Labelled { row, unlabelled: unlabelled[row] },
         };
         assert_eq!(self.statuses, (0..rows).map(expected).collect::<Vec<_>>());
-        let unlabelled = self.pixels().iter().filter(|&&pixel| pixel == Pixel::Unlabelled).count() as u32;
+        let unlabelled = unlabelled.iter().sum();
         assert_eq!(self.finished, Some(Finished::Complete { rows, unlabelled }));
     }
 }
