@@ -6,7 +6,8 @@ mod common;
 use common::{configs, scan_of, scans};
 use proptest::prelude::*;
 use scanseg_core::{
-    Config, EdgeSegmenter, Finished, LATENCY_ROWS, MAX_ROWS, PushError, Status, Trace, TurnAxis, live_labels,
+    COUNTS_PER_RAD, Config, EdgeSegmenter, Finished, LATENCY_ROWS, MAX_ERROR_RAD, MAX_ROWS, PushError, Status, Trace,
+    TurnAxis, live_labels,
 };
 use scanseg_tests::art::{Picture, canonical};
 use scanseg_tests::reference::edges;
@@ -137,6 +138,8 @@ proptest! {
         let mut mirror = scan.clone();
         mirror.range_m.chunks_mut(columns).for_each(|row| row.reverse());
 
+        // of two counts, and the error of each angle
+        let rounding = 1.1 + 2.0 * f64::from(MAX_ERROR_RAD * COUNTS_PER_RAD);
         for trace in [Trace::ROW, Trace::COLUMN] {
             let along_row = trace == Trace::ROW;
             // column c is column `columns - 1 - c` in the mirror, less one along the row
@@ -150,13 +153,14 @@ proptest! {
                 prop_assert_eq!(one == 0.0, other == 0.0);
                 let sum = if along_row { 65535.0 - phi_counts - one } else { one };
                 // both are rounded, and not to 0
-                prop_assert!(one == 0.0 || (sum - other).abs() <= 2.1, "{} {}", one, other);
+                prop_assert!(one == 0.0 || (sum - other).abs() <= rounding, "{} {}", one, other);
             }
 
-            // an eighth either way at each of eight weights, and the steps' Phi
+            // the rounding either way at each of Sobel's weights, 8 for |gx| and 8 for |gy|, and the steps' Phi
             let traces = [trace];
             let config = Config { traces: &traces, ..config };
-            let bounds = [(16, -2.0 - phi_counts.ceil()), (-16, 2.0 + phi_counts.ceil())].map(|(eighths, steps)| {
+            let (eighths, steps) = (16 * (rounding / 8.0).ceil() as i32, rounding.ceil() + phi_counts.ceil());
+            let bounds = [(eighths, -steps), (-eighths, steps)].map(|(eighths, steps)| {
                 let mut settings = settings(&config);
                 settings.roof_eighths = settings.roof_eighths.saturating_add_signed(eighths);
                 settings.step_counts = (f64::from(settings.step_counts) + steps).max(0.0) as u32;
