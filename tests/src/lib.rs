@@ -2,3 +2,4 @@
 pub mod art;
 pub mod hoover;
 pub mod reference;
+pub mod stream;

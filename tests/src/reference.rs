@@ -63,7 +63,7 @@ pub struct Image {
     pub size: Size,
     /// One range along the beam for each pixel, metres. Anything may stand here; see [`Image::range`].
     pub range_m: Vec<f32>,
-    /// Returns nearer than this are dropped; 0 keeps all.
+    /// Returns nearer than this are dropped; above 0, so that a range of 0 is no return.
     pub min_range_m: f32,
     /// Returns farther than this are dropped; infinity keeps all.
     pub max_range_m: f32,
@@ -73,16 +73,14 @@ impl Image {
     /// An image that drops no return. Panics if there is not one range per pixel.
     pub fn new(size: Size, range_m: Vec<f32>) -> Self {
         assert_eq!(range_m.len(), size.rows * size.columns, "one range per pixel of {size:?}");
-        Self { size, range_m, min_range_m: 0.0, max_range_m: f32::INFINITY }
+        Self { size, range_m, min_range_m: f32::MIN_POSITIVE, max_range_m: f32::INFINITY }
     }
 
-    /// The range of pixel (row, column), metres, or `None` where there is no return: not finite, not positive, or
-    /// outside of the closed interval from `min_range_m` to `max_range_m`.
+    /// The range of pixel (row, column), metres, or `None` where there is no return: not finite, or outside of
+    /// the closed interval from `min_range_m` to `max_range_m`.
     pub fn range(&self, (row, column): (usize, usize)) -> Option<f32> {
         let range_m = self.range_m[self.size.index(row, column)];
-        let is_return =
-            range_m.is_finite() && range_m > 0.0 && range_m >= self.min_range_m && range_m <= self.max_range_m;
-        is_return.then_some(range_m)
+        (range_m.is_finite() && range_m >= self.min_range_m && range_m <= self.max_range_m).then_some(range_m)
     }
 }
 
@@ -113,8 +111,9 @@ impl Trace {
 pub struct Settings {
     /// The traces along which bearing angles are taken; the paper's are horizontal and vertical.
     pub traces: Vec<Trace>,
-    /// A roof edge where the bearing angle changes by this much, see [`edges::roof_edges`].
-    pub roof_counts: u32,
+    /// A roof edge where Sobel's |gx| + |gy| reaches this, in eighths, see [`edges::roof_edges`]. Its sums have a weight
+    /// of 4: for a turn of the bearing angle by a number of counts this is half of that number.
+    pub roof_eighths: u32,
     /// A step edge where the bearing angle is this near to 0 or pi, see [`edges::step_edges`].
     pub step_counts: u32,
     /// And the range changes by more than this, metres.

@@ -2,24 +2,26 @@
 
 use super::{Image, Settings, Size, Trace};
 
-/// Roof edges of one count image: Sobel, with the L1 norm, where |gx| + |gy| is at least 4 `roof_counts`. (4 is the
-/// sum of the weights of one side of the operator.)
+/// Roof edges of one count image: Sobel, with the L1 norm, where |gx| + |gy| is at least `roof_eighths`. It works on
+/// eighths of the counts, rounded up: 1 to 8192, so that only "none" is 0. (4 is the sum of the weights of one side of
+/// the operator.)
 ///
 /// A pixel without a bearing angle is no edge. A neighbour outside of the image or without a bearing angle counts as
 /// the pixel itself, so that a border or hole is no edge by itself.
-pub fn roof_edges(size: Size, counts: &[u16], roof_counts: u32) -> Vec<bool> {
+pub fn roof_edges(size: Size, counts: &[u16], roof_eighths: u32) -> Vec<bool> {
+    let eighth = |(row, column)| counts[size.index(row, column)].div_ceil(8);
     let is_edge = |pixel: (usize, usize)| {
-        let own = counts[size.index(pixel.0, pixel.1)];
+        let own = eighth(pixel);
         if own == 0 {
             return false;
         }
         let at = |down, right| {
-            let neighbour = size.neighbour(pixel, down, right).map(|(row, column)| counts[size.index(row, column)]);
-            i64::from(neighbour.filter(|&count| count != 0).unwrap_or(own))
+            let neighbour = size.neighbour(pixel, down, right).map(eighth);
+            i64::from(neighbour.filter(|&eighth| eighth != 0).unwrap_or(own))
         };
         let gx = (at(-1, 1) + 2 * at(0, 1) + at(1, 1)) - (at(-1, -1) + 2 * at(0, -1) + at(1, -1));
         let gy = (at(1, -1) + 2 * at(1, 0) + at(1, 1)) - (at(-1, -1) + 2 * at(-1, 0) + at(-1, 1));
-        gx.abs() + gy.abs() >= 4 * i64::from(roof_counts)
+        gx.abs() + gy.abs() >= i64::from(roof_eighths)
     };
     size.pixels().map(is_edge).collect()
 }
@@ -51,7 +53,7 @@ pub fn edges(image: &Image, settings: &Settings, counts: &[Vec<u16>]) -> Vec<boo
     let mut edges = vec![false; image.range_m.len()];
     for (&trace, counts) in settings.traces.iter().zip(counts) {
         assert_eq!(counts.len(), edges.len(), "one count per pixel");
-        let roof = roof_edges(image.size, counts, settings.roof_counts);
+        let roof = roof_edges(image.size, counts, settings.roof_eighths);
         let step = step_edges(image, trace, counts, settings.step_counts, settings.step_range_m);
         for (edge, found) in edges.iter_mut().zip(roof.iter().zip(step)) {
             *edge |= found.0 | found.1;
@@ -68,11 +70,11 @@ mod tests {
     use crate::reference::bearing::bearing_counts;
     use crate::reference::closing::Element;
 
-    /// Digits are counts, a blank has none.
-    fn roof(art: &str, roof_counts: u32, wraps: bool) -> Picture {
+    /// Digits are bearing angles in eighths, a blank has none; `roof_angle` is a fourth of the threshold.
+    fn roof(art: &str, roof_angle: u32, wraps: bool) -> Picture {
         let picture = Picture::parse(art);
-        let counts = picture.map(|pixel| pixel.to_digit(10).unwrap_or(0) as u16);
-        Picture::bits(picture.columns, &roof_edges(picture.size(wraps), &counts, roof_counts))
+        let counts = picture.map(|pixel| 8 * pixel.to_digit(10).unwrap_or(0) as u16);
+        Picture::bits(picture.columns, &roof_edges(picture.size(wraps), &counts, 4 * roof_angle))
     }
 
     /// A jump of 4 between two columns: gx is 4 * 4 on either side of it, whether inside or on the border.
@@ -141,6 +143,17 @@ mod tests {
         assert_eq!(roof("|19|", 5, false), Picture::parse("|..|"));
     }
 
+    /// 1 to 8 are one eighth, 9 is the next one; the largest count is 8192 eighths. Beside one neighbour the gradient is
+    /// twice the difference.
+    #[test]
+    fn eighths_are_rounded_up() {
+        let size = Size { rows: 1, columns: 2, wraps: false };
+        for (counts, eighths) in [([1, 8], 0), ([8, 9], 1), ([9, 16], 0), ([1, 65535], 8191), ([1, 65528], 8190)] {
+            assert_eq!(roof_edges(size, &counts, 2 * eighths + 1), [false; 2], "{counts:?}");
+            assert_eq!(roof_edges(size, &counts, 2 * eighths), [true; 2], "{counts:?}");
+        }
+    }
+
     fn steps(ranges: &[f32], counts: &[u16], step_counts: u32, step_range_m: f32, wraps: bool) -> Vec<bool> {
         let image = Image::new(Size { rows: 1, columns: ranges.len(), wraps }, ranges.to_vec());
         step_edges(&image, Trace::HORIZONTAL, counts, step_counts, step_range_m)
@@ -191,7 +204,7 @@ mod tests {
         let image = Image::new(size, vec![2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 8.0]);
         let settings = Settings {
             traces: vec![Trace::HORIZONTAL, Trace::VERTICAL],
-            roof_counts: 1000,
+            roof_eighths: 500,
             step_counts: 100,
             step_range_m: 1.0,
             element: Element::Plus,

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// 10 degrees of bearing angle; steps within 3 degrees and 0.3 m.
 fn settings(element: Element) -> Settings {
     let traces = vec![Trace::HORIZONTAL, Trace::VERTICAL];
-    Settings { traces, roof_counts: 3641, step_counts: 1092, step_range_m: 0.3, element }
+    Settings { traces, roof_eighths: 1820, step_counts: 1092, step_range_m: 0.3, element }
 }
 
 /// The image of a scene that gives the range along a direction.
