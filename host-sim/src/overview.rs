@@ -4,10 +4,13 @@
 use scanseg_core::COUNTS_PER_RAD;
 
 use crate::format::{Geometry, Kind, RangeImage, TurnAxis};
-use crate::picture::{BLACK, Picture, Rgb, WHITE, bearing_colour, edge_colour, label_colour, range_colour, sheet};
+use crate::picture::{BLACK, Picture, Rgb, bearing_colour, edge_colour, label_colour, range_colour, sheet};
 
 /// Sheets are about as wide as this, pixels.
-const SHEET_WIDTH: usize = 2000;
+const SHEET_WIDTH: usize = 2100;
+
+/// Where there is no return, in the panels of edges and segments.
+const NO_RETURN: Rgb = [190, 205, 225];
 
 /// What the panels show; every image has the scan's pixels, row by row in scan order.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +77,10 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
         0 => bearing_colour(f32::NAN),
         count => bearing_colour(f32::from(count) / COUNTS_PER_RAD),
     };
+    let edge = |edges: &[bool], i: usize| if scan.range_m[i] == 0.0 { NO_RETURN } else { edge_colour(edges[i]) };
     let segment = |i: usize| match images.numbers[i] {
         _ if images.closed_edges[i] => BLACK,
-        _ if scan.range_m[i] == 0.0 => WHITE,
+        _ if scan.range_m[i] == 0.0 => NO_RETURN,
         number => label_colour(number),
     };
     let range_title = format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue");
@@ -86,10 +90,10 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
         ("Segments (edges black)", picture(&segment)),
         ("Bearing angle along rows", picture(&|i| bearing(images.bearing_rows, i))),
         ("Bearing angle along columns", picture(&|i| bearing(images.bearing_columns, i))),
-        ("Edges along rows", picture(&|i| edge_colour(images.edges_rows[i]))),
-        ("Edges along columns", picture(&|i| edge_colour(images.edges_columns[i]))),
-        ("Edges of all traces", picture(&|i| edge_colour(images.edges[i]))),
-        ("Edges after closing", picture(&|i| edge_colour(images.closed_edges[i]))),
+        ("Edges along rows", picture(&|i| edge(images.edges_rows, i))),
+        ("Edges along columns", picture(&|i| edge(images.edges_columns, i))),
+        ("Edges of all traces", picture(&|i| edge(images.edges, i))),
+        ("Edges after closing", picture(&|i| edge(images.closed_edges, i))),
     ];
     let across = if panels[0].1.width() > SHEET_WIDTH / 2 { 1 } else { 2 };
     sheet(&panels.map(|(title, panel)| (title, fitted(panel, SHEET_WIDTH / across))), across)
@@ -110,4 +114,67 @@ fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
     let at =
         |percent: usize| ranges_m.get((ranges_m.len() * percent / 100).min(ranges_m.len().wrapping_sub(1))).copied();
     (at(2).unwrap_or(0.0), at(98).unwrap_or(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Angles, Depth};
+
+    fn view(kind: Kind) -> (bool, bool, bool) {
+        let none = None;
+        let geometry = Geometry {
+            unit_m: 0.001,
+            no_return: vec![],
+            min_range_m: none,
+            max_range_m: none,
+            range_noise_m: none,
+            kind,
+        };
+        let View { transpose, flip, mirror } = View::of(&geometry, 20, 30);
+        (transpose, flip, mirror)
+    }
+
+    fn even(start: f64, step: f64) -> Angles {
+        Angles::Even { start, step }
+    }
+
+    #[test]
+    fn up_is_up_and_left_is_left() {
+        let nodding = |beam_deg, turn_deg, turn_axis| view(Kind::Nodding { beam_deg, turn_deg, turn_axis });
+        // from the right to the left, from below to above
+        assert_eq!(nodding(even(-75.0, 5.0), even(-20.0, 2.0), TurnAxis::Y), (false, true, true));
+        assert_eq!(nodding(even(75.0, -5.0), even(20.0, -2.0), TurnAxis::Y), (false, false, false));
+        // panning to the left, beams from below to above
+        assert_eq!(nodding(even(-75.0, 5.0), even(10.0, 2.0), TurnAxis::Z), (true, true, true));
+        assert_eq!(nodding(even(75.0, -5.0), even(10.0, -2.0), TurnAxis::Z), (true, false, false));
+        let spinning = |azimuth_deg, elevation_deg| view(Kind::Spinning { azimuth_deg, elevation_deg, wraps: true });
+        assert_eq!(spinning(even(0.0, 12.0), even(-10.0, 1.0)), (false, true, true));
+        assert_eq!(spinning(even(180.0, -12.0), even(10.0, -1.0)), (false, false, false));
+        let pinhole = |fx, fy| view(Kind::Pinhole { fx, fy, cx: 15.0, cy: 10.0, depth: Depth::Z });
+        assert_eq!(pinhole(30.0, 30.0), (false, false, false));
+        assert_eq!(pinhole(-30.0, -30.0), (false, true, true));
+    }
+
+    #[test]
+    fn the_picture_is_turned_as_the_view_says() {
+        let numbered = |transpose, flip, mirror| {
+            let picture = View { transpose, flip, mirror }.picture(2, 3, |i| [i as u8; 3]);
+            let row = |y| (0..picture.width()).map(move |x| (x, y)).collect::<Vec<_>>();
+            let pixels = (0..picture.height()).flat_map(row).filter_map(|(x, y)| picture.get(x, y)).map(|rgb| rgb[0]);
+            (picture.width(), pixels.collect::<Vec<_>>())
+        };
+        assert_eq!(numbered(false, false, false), (3, vec![0, 1, 2, 3, 4, 5]));
+        assert_eq!(numbered(false, true, false), (3, vec![3, 4, 5, 0, 1, 2]));
+        assert_eq!(numbered(false, false, true), (3, vec![2, 1, 0, 5, 4, 3]));
+        assert_eq!(numbered(true, false, false), (2, vec![0, 3, 1, 4, 2, 5]));
+        assert_eq!(numbered(true, true, true), (2, vec![5, 2, 4, 1, 3, 0]));
+    }
+
+    #[test]
+    fn panels_come_near_the_sheet_width() {
+        let width = |w, to| fitted(Picture::new(w, 4, BLACK), to).width();
+        assert_eq!([width(361, 1050), width(640, 1050), width(20, 1050)], [722, 640, 160]);
+        assert_eq!([width(1024, 2100), width(4000, 2100), width(9000, 2100)], [2048, 4000, 3000]);
+    }
 }

@@ -226,7 +226,11 @@ pub fn bearing_image(
     Ok(counts)
 }
 
-fn check_size(scan: &RangeImage) -> Result<(), SegmentationError> {
+/// Whether the core takes images of this size: up to [`MAX_ROWS`] x [`MAX_COLUMNS`] pixels, and not empty.
+///
+/// # Errors
+/// [`SegmentationError::Size`] if not.
+pub fn check_size(scan: &RangeImage) -> Result<(), SegmentationError> {
     let fits = (1..=MAX_ROWS).contains(&scan.rows) && (1..=MAX_COLUMNS).contains(&scan.columns);
     if fits { Ok(()) } else { Err(SegmentationError::Size { rows: scan.rows, columns: scan.columns }) }
 }

@@ -1,5 +1,7 @@
 //! The subcommands, one per file, and what they share: how they end.
 
+mod bench;
+mod demo;
 mod lists;
 mod options;
 mod segment;
@@ -27,6 +29,8 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Segment(segment::Arguments),
+    Demo(demo::Arguments),
+    Bench(bench::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr.
@@ -48,6 +52,8 @@ pub fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Segment(arguments) => segment::run(&arguments),
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     }
 }
 

@@ -14,19 +14,19 @@ pub struct Options {
     #[arg(long, value_enum, default_value = "paper")]
     preset: Preset,
     /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
-    #[arg(long, value_name = "M")]
-    range_noise_m: Option<f32>,
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub range_noise_m: Option<f64>,
     /// Nearer ranges count as no return [default: that of the geometry file, or of the preset]
-    #[arg(long, value_name = "M")]
-    min_range_m: Option<f32>,
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    min_range_m: Option<f64>,
     /// Farther ranges count as no return [default: that of the geometry file, or of the preset]
-    #[arg(long, value_name = "M")]
-    max_range_m: Option<f32>,
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    max_range_m: Option<f64>,
     /// A roof edge is where the bearing angle turns by this much or more [default: of the preset]
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     roof_angle_deg: Option<f32>,
     /// A step edge needs a bearing angle within this of 0 or 180 degrees [default: of the preset]
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     step_angle_deg: Option<f32>,
     /// Comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the previous pixel, such as 0x3 or
     /// 2x-2; each may be made longer by a factor, as in row*3 [default: of the preset]
@@ -65,7 +65,9 @@ impl Options {
         let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
         let no_minimum = |m: f64| if m > 0.0 { m as f32 } else { f32::MIN_POSITIVE };
         let maximum = |m: f64| if depths { MAX_RANGE_M } else { MAX_RANGE_M.min(m as f32) };
-        let given = |option: Option<f32>, in_file: Option<f32>, preset: f32| option.or(in_file).unwrap_or(preset);
+        let given = |option: Option<f64>, in_file: Option<f32>, preset: f32| {
+            option.map(|m| m as f32).or(in_file).unwrap_or(preset)
+        };
         let noise_m = geometry.range_noise_m.map(|m| m as f32);
         config.range_noise_m = given(self.range_noise_m, noise_m, config.range_noise_m);
         config.min_range_m = given(self.min_range_m, geometry.min_range_m.map(no_minimum), config.min_range_m);
@@ -127,7 +129,7 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
         ConfigError::Value { field: field @ ("range_noise_m" | "min_range_m" | "max_range_m"), value } => {
             format!("--{} cannot be {value}", field.replace('_', "-")).into()
         }
-        ConfigError::Count { field: "traces", value } => format!("--traces cannot be {value} traces").into(),
+        ConfigError::Count { field: "traces", value } => format!("--traces: {value} are too many").into(),
         ConfigError::Count { field: field @ ("traces.rows" | "traces.columns"), value } => {
             format!("--traces cannot go back {value} {}", field.trim_start_matches("traces.")).into()
         }
