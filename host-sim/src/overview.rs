@@ -83,7 +83,7 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
         _ if scan.range_m[i] == 0.0 => NO_RETURN,
         number => label_colour(number),
     };
-    let range_title = format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue");
+    let range_title = range_title(near_m, far_m);
     let picture = |colour: &dyn Fn(usize) -> Rgb| view.picture(scan.rows, scan.columns, colour);
     let panels = [
         (range_title.as_str(), picture(&|i| range_colour(scan.range_m[i], near_m, far_m))),
@@ -97,6 +97,25 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
     ];
     let across = if panels[0].1.width() > SHEET_WIDTH / 2 { 1 } else { 2 };
     sheet(&panels.map(|(title, panel)| (title, fitted(panel, SHEET_WIDTH / across))), across)
+}
+
+/// A simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its depth side by side. The truth
+/// must have the scan's size.
+pub fn truth_and_depth(scan: &RangeImage, geometry: &Geometry, truth: &[u16]) -> Picture {
+    let view = View::of(geometry, scan.rows, scan.columns);
+    let (near_m, far_m) = usual_ranges_m(scan);
+    let truth = view.picture(scan.rows, scan.columns, |i| match truth[i] {
+        0 => NO_RETURN,
+        id => label_colour(u32::from(id)),
+    });
+    let depth = view.picture(scan.rows, scan.columns, |i| range_colour(scan.range_m[i], near_m, far_m));
+    let range_title = range_title(near_m, far_m);
+    let panels = [("Truth", truth), (range_title.as_str(), depth)];
+    sheet(&panels.map(|(title, panel)| (title, fitted(panel, SHEET_WIDTH / 2))), 2)
+}
+
+fn range_title(near_m: f32, far_m: f32) -> String {
+    format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue")
 }
 
 /// A picture some whole factor larger or smaller, to a width of `width` and less, or to twice that at most.

@@ -2,7 +2,9 @@
 
 mod bench;
 mod demo;
+mod evaluate;
 mod lists;
+mod office;
 mod options;
 mod segment;
 
@@ -31,6 +33,8 @@ enum Command {
     Segment(segment::Arguments),
     Demo(demo::Arguments),
     Bench(bench::Arguments),
+    Evaluate(evaluate::Arguments),
+    Office(office::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr.
@@ -54,6 +58,8 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Segment(arguments) => segment::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Office(arguments) => office::run(&arguments),
     }
 }
 
