@@ -328,3 +328,96 @@ impl From<PushError> for SegmentationError {
         SegmentationError::Push(e)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Depth;
+
+    fn geometry(kind: Kind) -> Geometry {
+        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
+        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind }
+    }
+
+    fn camera() -> Geometry {
+        geometry(Kind::Pinhole { fx: 100.0, fy: 100.0, cx: 4.0, cy: 10.0, depth: Depth::Z })
+    }
+
+    #[test]
+    fn even_angles_stay_even_unless_the_seam_would_be_wrong() {
+        let spinning = |step, columns, wraps| {
+            let azimuth_deg = Angles::Even { start: 540.0, step };
+            let elevation_deg = Angles::Listed(vec![10.0, -5.0]);
+            let geometry = geometry(Kind::Spinning { azimuth_deg, elevation_deg, wraps });
+            ScanBeams::new(&geometry, 2, columns).unwrap()
+        };
+        let closed = spinning(-3.6, 100, true);
+        let Beams::Spinning { columns: Columns::Even { start_rad, step_rad }, wraps: true } = closed.beams() else {
+            panic!("{closed:?}");
+        };
+        assert_eq!((start_rad, step_rad), (std::f32::consts::PI, (-3.6f64).to_radians() as f32));
+        assert_eq!(closed.rows_rad(), [10f64, -5.0].map(|deg| deg.to_radians() as f32));
+        // half a step is missing at the seam
+        let open = spinning(-3.582, 100, true);
+        let Beams::Spinning { columns: Columns::Listed(list), wraps: true } = open.beams() else { panic!("{open:?}") };
+        assert_eq!((list.len(), list[99]), (100, (540.0f64 - 99.0 * 3.582).to_radians() as f32));
+        let apart = spinning(-3.582, 100, false);
+        assert!(matches!(apart.beams(), Beams::Spinning { columns: Columns::Even { .. }, wraps: false }));
+    }
+
+    #[test]
+    fn pixels_get_the_label_that_remains_of_all_joins() {
+        // Three teeth of a comb: labels 1, 2, 3. The bar joins the last two first, then these with the first.
+        let (rows, columns) = (20, 9);
+        let mut range_m = vec![0.0; rows * columns];
+        for row in 0..rows {
+            let filled = if row < 12 {
+                vec![0, 4, 8]
+            } else if row < 16 {
+                vec![0, 4, 5, 6, 7, 8]
+            } else {
+                (0..columns).collect()
+            };
+            filled.into_iter().for_each(|column| range_m[row * columns + column] = 2.0);
+        }
+        let scan = RangeImage { rows, columns, range_m };
+        let mut rows_done = 0;
+        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || rows_done += 1).unwrap();
+        assert_eq!((done.segments.len(), rows_done, done.unlabelled), (1, rows, 0));
+        let expected: Vec<u32> = scan.range_m.iter().map(|&m| u32::from(m > 0.0)).collect();
+        assert_eq!(done.labels, expected);
+        assert_eq!(done.numbers(1), expected);
+        assert_eq!(done.numbers(done.segments[0].pixels() + 1), vec![0; rows * columns]);
+    }
+
+    #[test]
+    fn segments_come_by_size_then_label() {
+        // columns of 1, 3, 3, 2 pixels with gaps between them
+        let (rows, columns) = (3, 7);
+        let lengths = [1, 0, 3, 0, 3, 0, 2];
+        let range_m = (0..rows * columns).map(|i| if i / columns < lengths[i % columns] { 2.0 } else { 0.0 }).collect();
+        let scan = RangeImage { rows, columns, range_m };
+        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || {}).unwrap();
+        let found: Vec<_> = done.segments.iter().map(|s| (s.pixels(), s.first_column)).collect();
+        assert_eq!(found, [(3, 2), (3, 4), (2, 6), (1, 0)]);
+        assert_eq!(done.numbers(2)[..columns], [0, 0, 1, 0, 2, 0, 3]);
+        assert_eq!(done.of_pixels(3).len(), 2);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let image = |rows, columns| RangeImage { rows, columns, range_m: vec![1.0; rows * columns] };
+        let run = |scan: &RangeImage, geometry: &Geometry| {
+            Segmentation::of(scan, geometry, &Config::paper(), None, || {}).map(|_| ()).unwrap_err()
+        };
+        let wide = run(&image(1, MAX_COLUMNS + 1), &camera());
+        assert_eq!(wide, SegmentationError::Size { rows: 1, columns: MAX_COLUMNS + 1 });
+        assert!(matches!(run(&image(MAX_ROWS + 1, 1), &camera()), SegmentationError::Size { .. }));
+        assert!(matches!(run(&image(0, 0), &camera()), SegmentationError::Size { .. }));
+        let (beam_deg, turn_deg) = (Angles::Even { start: 0.0, step: 1.0 }, Angles::Listed(vec![0.0, 1.0]));
+        let kind = Kind::Nodding { beam_deg, turn_deg, turn_axis: format::TurnAxis::Y };
+        assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Geometry(_)));
+        let kind = Kind::Pinhole { fx: 1e9, fy: 1.0, cx: 0.0, cy: 0.0, depth: Depth::Z };
+        assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Config(_)));
+    }
+}

@@ -20,7 +20,7 @@ pub struct Listing {
 pub struct Header {
     pub rows: usize,
     pub columns: usize,
-    /// Pixels with a return.
+    /// Pixels with a return, within the limits of the range.
     pub returns: usize,
     /// Pixels of edges after the closing.
     pub edge_pixels: usize,

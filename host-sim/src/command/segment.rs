@@ -88,7 +88,12 @@ pub fn segment(
         header: Header {
             rows,
             columns,
-            returns: scan.ranges.range_m.iter().filter(|&&m| m > 0.0).count(),
+            returns: scan
+                .ranges
+                .range_m
+                .iter()
+                .filter(|m| (config.min_range_m..=config.max_range_m).contains(m))
+                .count(),
             edge_pixels: segmentation.closed_edges.iter().filter(|&&edge| edge).count(),
             segment_pixels: segmentation.segments.iter().map(|s| s.pixels() as usize).sum(),
             unlabelled_pixels: segmentation.unlabelled,
