@@ -1,6 +1,8 @@
-//! Host side of scanseg: range-image files and their geometry, the simulated office, evaluation, and the pictures that
-//! the `scanseg` command writes.
+//! Host side of scanseg: range-image files and their geometry, whole scans through the core, the simulated office,
+//! evaluation, and the pictures that the `scanseg` command writes.
 pub mod format;
 pub mod hoover;
 pub mod office;
+pub mod overview;
 pub mod picture;
+pub mod segmentation;

@@ -1,2 +1,8 @@
 //! The `scanseg` command.
-fn main() {}
+mod command;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    command::main()
+}

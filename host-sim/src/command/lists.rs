@@ -1,0 +1,142 @@
+//! Segments as lists: CSV, JSON, and a table for the terminal.
+
+use std::fmt::Write;
+
+use scanseg_core::{Plane, Segment};
+use serde::Serialize;
+
+use super::Failure;
+use super::options::Configuration;
+
+/// What `segments.json` holds.
+#[derive(Serialize)]
+pub struct Listing {
+    pub header: Header,
+    pub segments: Vec<Entry>,
+}
+
+/// About the scan as a whole.
+#[derive(Serialize)]
+pub struct Header {
+    pub rows: usize,
+    pub columns: usize,
+    /// Pixels with a return, within the limits of the range.
+    pub returns: usize,
+    /// Pixels of edges after the closing.
+    pub edge_pixels: usize,
+    /// Pixels in segments of whatever size.
+    pub segment_pixels: usize,
+    /// Pixels that got no label because the table of live labels was full.
+    pub unlabelled_pixels: u32,
+    /// Segments of whatever size.
+    pub segments_found: usize,
+    /// Segments listed.
+    pub segments_listed: usize,
+    /// Smaller segments are not listed.
+    pub min_pixels: u32,
+    pub configuration: Configuration,
+}
+
+/// A segment; without a plane (`null`) where its points do not make one.
+#[derive(Serialize)]
+pub struct Entry {
+    pub number: usize,
+    pub label: u32,
+    pub pixels: u32,
+    pub first_row: u16,
+    pub last_row: u16,
+    pub first_column: u16,
+    pub last_column: u16,
+    pub centroid_m: [f32; 3],
+    pub normal: Option<[f32; 3]>,
+    pub distance_m: Option<f32>,
+    pub rms_m: Option<f32>,
+    /// Of normal x, y, z and distance.
+    pub covariance: Option<[[f32; 4]; 4]>,
+}
+
+impl Entry {
+    pub fn new(number: usize, segment: &Segment) -> Entry {
+        let plane: Option<Plane> = segment.plane();
+        Entry {
+            number,
+            label: segment.label.0,
+            pixels: segment.pixels(),
+            first_row: segment.first_row,
+            last_row: segment.last_row,
+            first_column: segment.first_column,
+            last_column: segment.last_column,
+            centroid_m: segment.centroid_m(),
+            normal: plane.map(|p| p.normal),
+            distance_m: plane.map(|p| p.distance_m),
+            rms_m: plane.map(|p| p.rms_m),
+            covariance: plane.map(|p| p.covariance),
+        }
+    }
+}
+
+impl Listing {
+    pub fn json(&self) -> Result<Vec<u8>, Failure> {
+        let mut bytes = serde_json::to_vec_pretty(self)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+
+    /// One line per segment; fields of a plane are empty where there is none.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut text = "number,label,pixels,first_row,last_row,first_column,last_column,centroid_x_m,centroid_y_m,\
+             centroid_z_m,normal_x,normal_y,normal_z,distance_m,rms_m"
+            .to_string();
+        (0..16).for_each(|i| text += &format!(",covariance_{}{}", i / 4, i % 4));
+        text.push('\n');
+        for e in &self.segments {
+            let whole = [e.number as u32, e.label, e.pixels];
+            let box_ = [e.first_row, e.last_row, e.first_column, e.last_column].map(u32::from);
+            let mut fields: Vec<String> = whole.iter().chain(&box_).map(u32::to_string).collect();
+            fields.extend(e.centroid_m.map(|x| x.to_string()));
+            let plane = e.normal.into_iter().flatten().chain(e.distance_m).chain(e.rms_m);
+            let plane = plane.chain(e.covariance.into_iter().flatten().flatten());
+            fields.extend(plane.map(|x| x.to_string()));
+            fields.resize(10 + 5 + 16, String::new());
+            text += &fields.join(",");
+            text.push('\n');
+        }
+        text.into_bytes()
+    }
+
+    /// The largest segments and the totals.
+    pub fn table(&self) -> String {
+        const LINES: usize = 12;
+        let mut text =
+            String::from(" number   pixels  distance m            normal          rms mm       rows     columns\n");
+        for e in self.segments.iter().take(LINES) {
+            let plane = match (e.distance_m, e.normal, e.rms_m) {
+                (Some(d), Some([x, y, z]), Some(rms_m)) => {
+                    format!("{d:11.3}  ({x:6.3}, {y:6.3}, {z:6.3})  {:7.1}", 1e3 * rms_m)
+                }
+                _ => format!("{:>11}  {:^24}  {:>7}", "-", "-", "-"),
+            };
+            let rows = format!("{}-{}", e.first_row, e.last_row);
+            let columns = format!("{}-{}", e.first_column, e.last_column);
+            let _ = writeln!(text, "{:7}  {:7} {plane}  {rows:>9}  {columns:>10}", e.number, e.pixels);
+        }
+        let h = &self.header;
+        let more = self.segments.len().saturating_sub(LINES);
+        if more > 0 {
+            let _ = writeln!(text, "    and {more} more");
+        }
+        let _ = writeln!(
+            text,
+            "{} x {} pixels, {} with a return, {} on edges; {} segments, {} of them with {} pixels or more",
+            h.rows, h.columns, h.returns, h.edge_pixels, h.segments_found, h.segments_listed, h.min_pixels
+        );
+        if h.unlabelled_pixels > 0 {
+            let _ = writeln!(
+                text,
+                "{} pixels got no label: the table of live labels was full (--max-labels)",
+                h.unlabelled_pixels
+            );
+        }
+        text
+    }
+}

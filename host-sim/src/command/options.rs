@@ -1,0 +1,167 @@
+//! The options that every segmenting subcommand takes: the configuration, value by value.
+
+use clap::{Args, ValueEnum};
+use scanseg_core::{Config, ConfigError, Element, MAX_RANGE_M, Trace};
+use scanseg_sim::format::{Depth, Geometry, Kind};
+use scanseg_sim::segmentation::SegmentationError;
+use serde::Serialize;
+
+use super::Failure;
+
+#[derive(Args)]
+pub struct Options {
+    /// Settings to start from
+    #[arg(long, value_enum, default_value = "paper")]
+    preset: Preset,
+    /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub range_noise_m: Option<f64>,
+    /// Nearer ranges count as no return [default: that of the geometry file, or of the preset]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    min_range_m: Option<f64>,
+    /// Farther ranges count as no return [default: that of the geometry file, or of the preset]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    max_range_m: Option<f64>,
+    /// A roof edge is where the bearing angle turns by this much or more [default: of the preset]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    roof_angle_deg: Option<f32>,
+    /// A step edge needs a bearing angle within this of 0 or 180 degrees [default: of the preset]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    step_angle_deg: Option<f32>,
+    /// Comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the previous pixel, such as 0x3 or
+    /// 2x-2; each may be made longer by a factor, as in row*3 [default: of the preset]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_trace)]
+    traces: Vec<Trace>,
+    /// Structuring element of the closing [default: of the preset]
+    #[arg(long, value_enum)]
+    closing: Option<Closing>,
+    /// Size of the table of live labels [default: enough for any image]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_labels: Option<u32>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Preset {
+    /// The paper's method, see Config::paper
+    Paper,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Closing {
+    /// A pixel and its four neighbours
+    Plus,
+    /// 3 x 3 pixels
+    Square,
+}
+
+impl Options {
+    /// The configuration for a scan of this geometry.
+    pub fn config(&self, geometry: &Geometry) -> Config<'_> {
+        let mut config = match self.preset {
+            Preset::Paper => Config::paper(),
+        };
+        // The range image already lacks what is outside of the geometry's limits, which for depths along a camera's axis
+        // are no limits of the range.
+        let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
+        let no_minimum = |m: f64| if m > 0.0 { m as f32 } else { f32::MIN_POSITIVE };
+        let maximum = |m: f64| if depths { MAX_RANGE_M } else { MAX_RANGE_M.min(m as f32) };
+        let given = |option: Option<f64>, in_file: Option<f32>, preset: f32| {
+            option.map(|m| m as f32).or(in_file).unwrap_or(preset)
+        };
+        let noise_m = geometry.range_noise_m.map(|m| m as f32);
+        config.range_noise_m = given(self.range_noise_m, noise_m, config.range_noise_m);
+        config.min_range_m = given(self.min_range_m, geometry.min_range_m.map(no_minimum), config.min_range_m);
+        config.max_range_m = given(self.max_range_m, geometry.max_range_m.map(maximum), config.max_range_m);
+        if let Some(deg) = self.roof_angle_deg {
+            config.roof_angle_rad = deg.to_radians();
+        }
+        if let Some(deg) = self.step_angle_deg {
+            config.step_angle_rad = deg.to_radians();
+        }
+        if !self.traces.is_empty() {
+            config.traces = &self.traces;
+        }
+        config.closing = match self.closing {
+            Some(Closing::Plus) => Element::Plus,
+            Some(Closing::Square) => Element::Square,
+            None => config.closing,
+        };
+        config
+    }
+
+    pub fn max_labels(&self) -> Option<usize> {
+        self.max_labels.map(|n| n as usize)
+    }
+}
+
+/// `row`, `2x-2`, `column*3`.
+fn parse_trace(text: &str) -> Result<Trace, String> {
+    let (name, factor) = text.split_once('*').unwrap_or((text, "1"));
+    let factor: u8 = factor.parse().map_err(|_| format!("`{factor}` is not a whole number from 1 to 255"))?;
+    let trace = match name {
+        "row" => Trace::ROW,
+        "column" => Trace::COLUMN,
+        "diagonal" => Trace::DIAGONAL,
+        "antidiagonal" => Trace::ANTIDIAGONAL,
+        _ => {
+            let offsets = name.split_once('x').and_then(|(r, c)| Some((r.parse().ok()?, c.parse().ok()?)));
+            let (rows, columns) =
+                offsets.ok_or("not row, column, diagonal, antidiagonal or ROWSxCOLUMNS (0 to 16 x -128 to 127)")?;
+            Trace { rows, columns }
+        }
+    };
+    let long = trace.times(factor);
+    let exact = i32::from(long.rows) == i32::from(trace.rows) * i32::from(factor)
+        && i32::from(long.columns) == i32::from(trace.columns) * i32::from(factor);
+    if factor > 0 && exact { Ok(long) } else { Err(format!("a factor of {factor} is 0 or too long")) }
+}
+
+/// Names the option that a refused configuration value came from, or else the scan.
+pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
+    let SegmentationError::Config(config_error) = &e else { return format!("{scan}: {e}").into() };
+    match *config_error {
+        ConfigError::Value { field: "roof_angle_rad", value } => {
+            format!("--roof-angle-deg cannot be {}", value.to_degrees()).into()
+        }
+        ConfigError::Value { field: "step_angle_rad", value } => {
+            format!("--step-angle-deg cannot be {}", value.to_degrees()).into()
+        }
+        ConfigError::Value { field: field @ ("range_noise_m" | "min_range_m" | "max_range_m"), value } => {
+            format!("--{} cannot be {value}", field.replace('_', "-")).into()
+        }
+        ConfigError::Count { field: "traces", value } => format!("--traces: {value} are too many").into(),
+        ConfigError::Count { field: field @ ("traces.rows" | "traces.columns"), value } => {
+            format!("--traces cannot go back {value} {}", field.trim_start_matches("traces.")).into()
+        }
+        _ => format!("{scan}: its geometry: {config_error}").into(),
+    }
+}
+
+/// A configuration as the lists of segments state it.
+#[derive(Serialize)]
+pub struct Configuration {
+    range_noise_m: f32,
+    min_range_m: f32,
+    max_range_m: f32,
+    roof_angle_deg: f32,
+    step_angle_deg: f32,
+    traces: Vec<String>,
+    closing: &'static str,
+}
+
+impl From<&Config<'_>> for Configuration {
+    fn from(config: &Config<'_>) -> Self {
+        Configuration {
+            range_noise_m: config.range_noise_m,
+            min_range_m: config.min_range_m,
+            max_range_m: config.max_range_m,
+            roof_angle_deg: config.roof_angle_rad.to_degrees(),
+            step_angle_deg: config.step_angle_rad.to_degrees(),
+            traces: config.traces.iter().map(|t| format!("{}x{}", t.rows, t.columns)).collect(),
+            closing: match config.closing {
+                Element::Plus => "plus",
+                Element::Square => "square",
+            },
+        }
+    }
+}

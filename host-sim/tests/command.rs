@@ -1,0 +1,431 @@
+//! The `scanseg` command as a process: what it writes, what it prints, how it fails.
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use scanseg_sim::format::{Geometry, GreyImage, RangeImage};
+use scanseg_sim::office::{Scene, Sensor, Set};
+use serde_json::Value;
+
+const FILES: [&str; 9] = [
+    "labels.png",
+    "edges.png",
+    "bearing-horizontal.png",
+    "bearing-vertical.png",
+    "bearing-diagonal.png",
+    "bearing-antidiagonal.png",
+    "segments.csv",
+    "segments.json",
+    "overview.png",
+];
+
+/// An empty folder of the test's own.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs `scanseg` in a folder. Arguments are separated by blanks.
+fn scanseg(folder: &Path, arguments: &str) -> Output {
+    let arguments = arguments.split_whitespace();
+    Command::new(env!("CARGO_BIN_EXE_scanseg")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// Its stdout; it must have succeeded without a word on stderr.
+fn succeeds(folder: &Path, arguments: &str) -> String {
+    let output = scanseg(folder, arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && stderr.is_empty(), "{arguments}: {stderr}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Exit code 2, nothing on stdout, one line on stderr that holds all of `says`, nothing new in the folder.
+fn fails(folder: &Path, arguments: &str, says: &[&str]) {
+    let entries = || {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = entries();
+    let output = scanseg(folder, arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {stderr}");
+    assert!(output.stdout.is_empty(), "{arguments}");
+    assert_eq!((stderr.lines().count(), stderr.ends_with('\n')), (1, true), "{arguments}: {stderr}");
+    for what in says {
+        assert!(stderr.contains(what), "{arguments}: {what} is not in: {stderr}");
+    }
+    assert_eq!(entries(), before, "{arguments}");
+}
+
+/// Writes a small simulated scan, `scan.pgm` and `geometry.toml`.
+fn small_scan(folder: &Path) -> RangeImage {
+    let scan = Scene::numbered(Set::Tuning, 0).scan(&Sensor::nodding(50, 91), 0).unwrap();
+    let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
+    fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
+    fs::write(folder.join("geometry.toml"), scan.geometry.to_toml()).unwrap();
+    ranges
+}
+
+fn json(path: PathBuf) -> Value {
+    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+fn write_labels(path: PathBuf, columns: usize, max_value: u16, values: &[u16]) {
+    let image = GreyImage { rows: values.len() / columns, columns, max_value, values: values.to_vec() };
+    let png = path.extension().is_some_and(|e| e == "png");
+    fs::write(path, if png { image.to_png() } else { image.to_pgm() }).unwrap();
+}
+
+#[test]
+fn segment_writes_images_and_lists_that_agree() {
+    let folder = folder("segment");
+    let ranges = small_scan(&folder);
+    let told = succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out a/b --min-pixels 20");
+    let out = folder.join("a/b");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), FILES.len());
+    for (name, max_value) in FILES[..6].iter().zip([65535, 255, 65535, 65535, 65535, 65535]) {
+        let image = GreyImage::read(out.join(name)).unwrap();
+        assert_eq!((image.rows, image.columns, image.max_value), (50, 91, max_value), "{name}");
+    }
+
+    let labels = GreyImage::read(out.join("labels.png")).unwrap().values;
+    let edges = GreyImage::read(out.join("edges.png")).unwrap().values;
+    let mut pixels = BTreeMap::new();
+    for (i, &number) in labels.iter().enumerate() {
+        if number > 0 {
+            *pixels.entry(number).or_insert(0usize) += 1;
+            assert!(edges[i] == 0 && ranges.range_m[i] > 0.0, "pixel {i} is no area");
+        }
+        assert!(edges[i] == 0 || (edges[i] == 255 && ranges.range_m[i] > 0.0), "pixel {i} is no edge");
+    }
+    assert!(pixels.len() >= 3, "{pixels:?}");
+    assert!(pixels.values().all(|&n| n >= 20));
+    assert!(pixels.values().is_sorted_by(|a, b| a >= b), "the largest first: {pixels:?}");
+
+    let csv = fs::read_to_string(out.join("segments.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert!(lines.iter().all(|line| line.len() == 31), "{csv}");
+    assert_eq!(lines[0][..3], ["number", "label", "pixels"]);
+    let json = json(out.join("segments.json"));
+    let segments = json["segments"].as_array().unwrap();
+    assert_eq!((lines.len() - 1, segments.len()), (pixels.len(), pixels.len()));
+    for ((line, segment), (number, count)) in lines[1..].iter().zip(segments).zip(&pixels) {
+        assert_eq!((line[0], line[2]), (number.to_string().as_str(), count.to_string().as_str()));
+        for (i, key) in ["number", "label", "pixels", "first_row", "last_row", "first_column", "last_column"]
+            .into_iter()
+            .enumerate()
+        {
+            assert_eq!(segment[key].to_string(), line[i], "{key}");
+        }
+        let places: Vec<_> = (0..labels.len()).filter(|&i| labels[i] == *number).map(|i| (i / 91, i % 91)).collect();
+        let limits = |of: fn(&(usize, usize)) -> usize| {
+            let (low, high) = (places.iter().map(of).min(), places.iter().map(of).max());
+            [low, high].map(|place| place.unwrap().to_string())
+        };
+        assert_eq!([limits(|p| p.0), limits(|p| p.1)].concat(), line[3..7]);
+        let float = |value: &Value| value.as_f64().unwrap();
+        let normal: Vec<f64> = segment["normal"].as_array().unwrap().iter().map(float).collect();
+        let centroid: Vec<f64> = segment["centroid_m"].as_array().unwrap().iter().map(float).collect();
+        let along: f64 = normal.iter().zip(&centroid).map(|(a, b)| a * b).sum();
+        assert!((along + float(&segment["distance_m"])).abs() < 1e-4, "the plane holds the centroid");
+        assert_eq!(
+            segment["covariance"].as_array().map(|c| c.iter().map(|r| r.as_array().unwrap().len()).sum()),
+            Some(16)
+        );
+    }
+    let header = &json["header"];
+    assert_eq!((&header["rows"], &header["columns"], &header["min_pixels"]), (&50.into(), &91.into(), &20.into()));
+    let returns = ranges.range_m.iter().filter(|&&m| m > 0.0).count();
+    assert_eq!(header["returns"], returns);
+    let parts = ["edge_pixels", "segment_pixels", "unlabelled_pixels"].map(|key| header[key].as_u64().unwrap());
+    assert_eq!(parts.iter().sum::<u64>(), returns as u64, "every return is one of three");
+    assert_eq!(header["configuration"]["traces"].to_string(), r#"["0x1","1x0"]"#);
+    assert!(told.contains(&format!("{} of them with 20 pixels or more", pixels.len())), "{told}");
+    assert!(told.contains("ns per point"), "{told}");
+}
+
+#[test]
+fn every_option_of_the_configuration_is_used() {
+    let folder = folder("options");
+    small_scan(&folder);
+    let options = "--preset paper --range-noise-m 0.02 --min-range-m 1.5 --max-range-m 4 --roof-angle-deg 45 \
+         --step-angle-deg 3 --traces row*3,2x-2,antidiagonal --closing square";
+    succeeds(&folder, &format!("segment scan.pgm --geometry geometry.toml --out out {options}"));
+    let configuration = json(folder.join("out/segments.json"))["header"]["configuration"].clone();
+    let expected = r#"{"closing":"square","max_range_m":4.0,"min_range_m":1.5,"range_noise_m":0.02,"roof_angle_deg":45.0,
+        "step_angle_deg":3.0,"traces":["0x3","2x-2","1x-1"]}"#;
+    assert_eq!(configuration, serde_json::from_str::<Value>(expected).unwrap());
+
+    // each of them changes the segments
+    let labels = |options: &str| {
+        succeeds(&folder, &format!("segment scan.pgm --geometry geometry.toml --out out --min-pixels 1 {options}"));
+        (
+            GreyImage::read(folder.join("out/labels.png")).unwrap(),
+            json(folder.join("out/segments.json"))["header"].clone(),
+        )
+    };
+    let (plain, _) = labels("");
+    for option in [
+        "--min-range-m 1.5",
+        "--max-range-m 2",
+        "--roof-angle-deg 3",
+        "--step-angle-deg 30",
+        "--traces row",
+        "--closing square",
+        "--max-labels 2",
+    ] {
+        let (changed, header) = labels(option);
+        assert_ne!(changed, plain, "{option}");
+        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
+    }
+
+    // the geometry file's values hold where there is no option
+    let geometry = fs::read_to_string(folder.join("geometry.toml")).unwrap();
+    let limited = format!("range_noise_m = 0.003\nmin_range_m = 1.25\nmax_range_m = 900.0\n{geometry}");
+    fs::write(folder.join("geometry.toml"), limited).unwrap();
+    let configuration = labels("").1["configuration"].clone();
+    let values = ["range_noise_m", "min_range_m", "max_range_m"].map(|key| configuration[key].as_f64().unwrap());
+    assert!((values[0] - 0.003).abs() < 1e-9 && values[1..] == [1.25, 500.0], "{values:?}");
+    assert_eq!(labels("--min-range-m 2").1["configuration"]["min_range_m"], 2.0);
+}
+
+#[test]
+fn demo_needs_nothing_and_repeats_itself() {
+    let folder = folder("demo");
+    for arguments in ["demo --out a", "demo --out b --seed 0", "demo --out c --seed 1"] {
+        let told = succeeds(&folder, arguments);
+        assert!(told.contains("overview.png"), "{told}");
+    }
+    let names = FILES.into_iter().chain(["scan.png", "scan.pgm", "geometry.toml", "truth.png"]);
+    for name in names {
+        let [a, b, c] = ["a", "b", "c"].map(|out| fs::read(folder.join(out).join(name)).unwrap());
+        assert!(a == b, "{name}");
+        assert!(a != c || name == "geometry.toml", "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), FILES.len() + 4);
+    // what it says about itself is true: the same again from its files
+    succeeds(&folder, "segment a/scan.png --geometry a/geometry.toml --out d");
+    for name in FILES {
+        assert!(
+            fs::read(folder.join("a").join(name)).unwrap() == fs::read(folder.join("d").join(name)).unwrap(),
+            "{name}"
+        );
+    }
+    assert_eq!(Geometry::read(folder.join("a/geometry.toml")).unwrap().range_noise_m, Some(0.001));
+    let large = json(folder.join("a/segments.json"))["segments"][3]["pixels"].as_u64().unwrap();
+    assert!(large > 3000, "floor, ceiling and walls are found: {large}");
+    fails(&folder, "demo --out e --range-noise-m -1", &["range_noise_m"]);
+}
+
+#[test]
+fn what_cannot_be_used_is_named_in_one_line_and_nothing_is_written() {
+    let folder = folder("errors");
+    small_scan(&folder);
+    let pgm = fs::read(folder.join("scan.pgm")).unwrap();
+    fs::write(folder.join("short.pgm"), &pgm[..pgm.len() - 1000]).unwrap();
+    fs::write(folder.join("text.pgm"), "not an image").unwrap();
+    let png = GreyImage::read(folder.join("scan.pgm")).unwrap().to_png();
+    fs::write(folder.join("short.png"), &png[..png.len() / 2]).unwrap();
+    let geometry = fs::read_to_string(folder.join("geometry.toml")).unwrap();
+    fs::write(folder.join("wrong.toml"), geometry.replace("nodding", "hovering")).unwrap();
+    let listed = "version = 1\nunit_m = 0.001\nkind = \"nodding\"\nturn_axis = \"y\"\n\
+         beam_deg = { start = 0.0, step = 1.0 }\nturn_deg = [1.0, 2.0, 3.0]\n";
+    fs::write(folder.join("listed.toml"), listed).unwrap();
+    fs::write(folder.join("steep.toml"), geometry.replace("step = 2.0", "step = 100.0")).unwrap();
+    fs::write(folder.join("file"), "").unwrap();
+
+    let with =
+        |scan: &str, geometry: &str, rest: &str| format!("segment {scan} --geometry {geometry} --out out {rest}");
+    fails(&folder, &with("absent.pgm", "geometry.toml", ""), &["absent.pgm", "No such file"]);
+    fails(&folder, &with("scan.pgm", "absent.toml", ""), &["absent.toml", "No such file"]);
+    fails(&folder, &with("short.pgm", "geometry.toml", ""), &["short.pgm", "50 x 91"]);
+    fails(&folder, &with("short.png", "geometry.toml", ""), &["short.png", "byte"]);
+    fails(&folder, &with("text.pgm", "geometry.toml", ""), &["text.pgm"]);
+    fails(&folder, &with("geometry.toml", "geometry.toml", ""), &["geometry.toml"]);
+    fails(&folder, &with("scan.pgm", "scan.pgm", ""), &["scan.pgm"]);
+    fails(&folder, &with("scan.pgm", "wrong.toml", ""), &["wrong.toml", "kind"]);
+    fails(&folder, &with("scan.pgm", "listed.toml", ""), &["listed.toml", "scan.pgm", "turn_deg", "3", "50"]);
+    fails(&folder, &with("scan.pgm", "steep.toml", ""), &["scan.pgm", "step_rad"]);
+    for (option, says) in [
+        ("--preset best", "paper"),
+        ("--frob 1", "--frob"),
+        ("--min-pixels 0", "--min-pixels"),
+        ("--min-pixels many", "many"),
+        ("--range-noise-m -1", "--range-noise-m cannot be -1"),
+        ("--range-noise-m nan", "--range-noise-m cannot be NaN"),
+        ("--min-range-m 0", "--min-range-m cannot be 0"),
+        ("--max-range-m 501", "--max-range-m cannot be 501"),
+        ("--roof-angle-deg 0", "--roof-angle-deg cannot be 0"),
+        ("--step-angle-deg 91", "--step-angle-deg cannot be 91"),
+        ("--traces diagonally", "--traces"),
+        ("--traces row*0", "factor of 0"),
+        ("--traces column*17", "17 rows"),
+        ("--traces 0x0", "0 columns"),
+        ("--traces row,row,row,row,row,row,row,row,row", "9 are too many"),
+        ("--closing circle", "plus"),
+        ("--max-labels 0", "--max-labels"),
+    ] {
+        fails(&folder, &with("scan.pgm", "geometry.toml", option), &[says]);
+        if !option.starts_with("--min-pixels") {
+            fails(&folder, &format!("bench scan.pgm --geometry geometry.toml {option}"), &[says]);
+        }
+    }
+    fails(&folder, "segment scan.pgm --geometry geometry.toml", &["--out"]);
+    fails(&folder, "segment scan.pgm --geometry geometry.toml --out file", &["file"]);
+    fails(&folder, "segment scan.pgm --geometry geometry.toml --out file/out", &["file/out"]);
+    fails(&folder, "frob", &["frob"]);
+    fails(&folder, "bench scan.pgm --geometry geometry.toml --repeat 0", &["--repeat"]);
+}
+
+#[test]
+fn more_segments_than_labels_png_can_number() {
+    let folder = folder("many");
+    // Returns like the black squares of a chess board: each is an area of its own.
+    let (rows, columns) = (370, 370);
+    let values = (0..rows * columns).map(|i| if (i / columns + i % columns) % 2 == 0 { 1000 } else { 0 }).collect();
+    fs::write(folder.join("scan.pgm"), GreyImage { rows, columns, max_value: 65535, values }.to_pgm()).unwrap();
+    let geometry = "version = 1\nunit_m = 0.001\nkind = \"pinhole\"\ndepth = \"range\"\nfx = 300.0\nfy = 300.0\n\
+         cx = 185.0\ncy = 185.0\n";
+    fs::write(folder.join("geometry.toml"), geometry).unwrap();
+    let arguments = "segment scan.pgm --geometry geometry.toml --out out --min-pixels";
+    fails(&folder, &format!("{arguments} 1"), &["scan.pgm", "68450", "65535", "larger --min-pixels"]);
+    succeeds(&folder, &format!("{arguments} 2"));
+    assert_eq!(json(folder.join("out/segments.json"))["header"]["segments_found"], 68450);
+    assert!(GreyImage::read(folder.join("out/labels.png")).unwrap().values.iter().all(|&n| n == 0));
+}
+
+#[test]
+fn bench_counts_what_segment_finds() {
+    let folder = folder("bench");
+    small_scan(&folder);
+    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 2 --json");
+    let timing: Value = serde_json::from_str(&told).unwrap();
+    assert_eq!(timing["points"], 50 * 91);
+    let [median, min] = ["median_ns_per_point", "min_ns_per_point"].map(|key| timing[key].as_f64().unwrap());
+    assert!(0.0 < min && min <= median, "{told}");
+    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out");
+    let header = json(folder.join("out/segments.json"))["header"].clone();
+    assert!(timing["segments"].as_u64() > Some(0));
+    assert_eq!(timing["segments"], header["segments_listed"]);
+    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1");
+    assert!(told.contains("median_ns_per_point") && told.contains("points 4550"), "{told}");
+}
+
+#[test]
+fn evaluate_counts_the_classes_of_hand_made_images() {
+    let folder = folder("evaluate");
+    // Truth 1 is found whole but for 2 of 10 pixels, 2 in two pieces, 3 and 4 as one, 5 not at all; segment 9 is nowhere.
+    let truth = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 4, 5, 5, 5, 0, 0, 0];
+    let labels = [1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 2, 2, 3, 3, 7, 7, 7, 7, 7, 7, 0, 0, 0, 9, 9, 9];
+    write_labels(folder.join("truth.pgm"), 13, 255, &truth);
+    write_labels(folder.join("labels.png"), 13, 65535, &labels);
+    let told = succeeds(&folder, "evaluate --truth truth.pgm --labels labels.png --out out");
+    let keys = ["correct", "over_segmented", "under_segmented", "missed", "noise", "truth_regions", "segments"];
+    let counts = |json: &Value| keys.map(|key| json[key].as_u64().unwrap());
+    let hoover = json(folder.join("out/hoover.json"));
+    assert_eq!(counts(&hoover), [1, 1, 1, 1, 1, 5, 5]);
+    assert_eq!(hoover["tolerance"], 0.8);
+    assert!(told.lines().any(|line| line.split_whitespace().eq(["correct", "1"])), "{told}");
+    let csv = fs::read_to_string(folder.join("out/hoover.csv")).unwrap();
+    let lines: Vec<_> = csv.lines().collect();
+    assert_eq!(lines[0], "tolerance,truth_regions,segments,correct,over_segmented,under_segmented,missed,noise");
+    assert_eq!((lines.len(), lines[1], lines[30]), (51, "0.51,5,5,1,1,1,1,1", "0.8,5,5,1,1,1,1,1"));
+    assert_eq!((lines[31], lines[50]), ("0.81,5,5,0,1,1,2,2", "1,5,5,0,1,1,2,2"));
+
+    succeeds(&folder, "evaluate --truth truth.pgm --labels labels.png --out out --tolerance 0.9 --min-pixels 4");
+    assert_eq!(counts(&json(folder.join("out/hoover.json"))), [0, 0, 0, 2, 2, 2, 2]);
+    assert_eq!(fs::read_to_string(folder.join("out/hoover.csv")).unwrap().lines().count(), 2);
+
+    let plain = succeeds(&folder, "evaluate --truth truth.pgm --labels truth.pgm --tolerance 1");
+    assert!(plain.lines().any(|line| line.split_whitespace().eq(["correct", "5"])), "{plain}");
+    write_labels(folder.join("turned.png"), 2, 255, &labels);
+    let sizes = ["turned.png", "13 rows x 2 columns", "truth.pgm", "2 rows x 13 columns"];
+    fails(&folder, "evaluate --truth truth.pgm --labels turned.png --out new", &sizes);
+    fails(&folder, "evaluate --truth truth.pgm --labels labels.png --out new --tolerance 0.5", &["tolerance 0.5"]);
+    fails(&folder, "evaluate --truth truth.pgm --labels absent.png --out new", &["absent.png"]);
+}
+
+#[test]
+fn office_writes_scenes_with_their_truth() {
+    let folder = folder("office");
+    for (options, name, size) in [
+        ("--scene 4", "tuning-04", (200, 361)),
+        ("--scene 4 --sensor pinhole --set validation --noise-m 0.01", "validation-04", (240, 320)),
+    ] {
+        let out = folder.join(name);
+        succeeds(&folder, &format!("office --out {name} {options}"));
+        assert_eq!(fs::read_dir(&out).unwrap().count(), 4);
+        let [scan, truth] = ["", "-truth"].map(|s| GreyImage::read(out.join(format!("{name}{s}.pgm"))).unwrap());
+        assert_eq!((scan.rows, scan.columns), size);
+        assert_eq!((truth.rows, truth.columns), size);
+        let geometry = Geometry::read(out.join("geometry.toml")).unwrap();
+        assert_eq!(geometry.range_noise_m.is_some(), name.starts_with("validation"));
+        let ranges = RangeImage::from_grey(&scan, &geometry).unwrap();
+        assert!(ranges.range_m.iter().zip(&truth.values).all(|(&range_m, &id)| (range_m > 0.0) == (id != 0)));
+        assert!(out.join(format!("{name}.png")).exists());
+    }
+    fails(&folder, "office --out new --scene 1 --noise-m -1", &["range_noise_m"]);
+    fails(&folder, "office --out new --set best", &["tuning"]);
+}
+
+/// A folder of recorded scans, if it is there.
+fn recorded(set: &str) -> Option<PathBuf> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(set);
+    let there = folder.is_dir();
+    if !there {
+        println!("skipped: {} is absent", folder.display());
+    }
+    there.then_some(folder)
+}
+
+#[test]
+fn bearing_angles_are_those_of_another_program() {
+    let Some(data) = recorded("bearing-angle-reference") else { return };
+    let folder = folder("reference");
+    // Largest difference allowed: of counts of the other program's file. For the diagonal of the camera 2 instead of 1:
+    // its beams are 0.1 deg apart, and what an f32 can tell of a range in metres then makes 1.2 counts by itself.
+    for (scan, images) in [("laserscan", &[("horizontal", 1)][..]), ("pinhole", &[("vertical", 1), ("diagonal", 2)])] {
+        let path = |name: &str| data.join(format!("{scan}{name}"));
+        // the other program knows no seam
+        let geometry = fs::read_to_string(path(".geometry.toml")).unwrap().replace("wraps = true", "wraps = false");
+        fs::write(folder.join("geometry.toml"), geometry).unwrap();
+        let image = path("-depth.png").display().to_string();
+        succeeds(&folder, &format!("segment {image} --geometry geometry.toml --out {scan} --min-range-m 1e-6"));
+        for (name, allowed) in images {
+            let ours = GreyImage::read(folder.join(scan).join(format!("bearing-{name}.png"))).unwrap();
+            let theirs = GreyImage::read(path(&format!("-bearing-{name}-ref.png"))).unwrap();
+            assert_eq!((ours.rows, ours.columns), (theirs.rows, theirs.columns));
+            let scale = 65535.0 / f64::from(theirs.max_value);
+            let mut more_than_1 = 0;
+            for (i, (&ours, &theirs)) in ours.values.iter().zip(&theirs.values).enumerate() {
+                let apart = (f64::from(ours) / scale).round() - f64::from(theirs);
+                assert!(apart.abs() <= f64::from(*allowed), "{scan} {name}, pixel {i}: {ours} {theirs}");
+                more_than_1 += u32::from(apart.abs() > 1.0);
+            }
+            assert!(more_than_1 <= 10, "{scan} {name}: {more_than_1} pixels");
+        }
+    }
+}
+
+#[test]
+fn recorded_scans_are_segmented() {
+    let scans = [
+        ("tilting-sick-corridor", "scan000.range_mm.pgm"),
+        ("office-room-scan", "room_scan1.range_mm.pgm"),
+        ("ouster-os0", "range.pgm"),
+    ];
+    for (set, scan) in scans {
+        let Some(data) = recorded(set) else { return };
+        let folder = folder(set);
+        let (scan, geometry) = (data.join(scan), data.join("geometry.toml"));
+        succeeds(&folder, &format!("segment {} --geometry {} --out .", scan.display(), geometry.display()));
+        let header = json(folder.join("segments.json"))["header"].clone();
+        let parts = ["edge_pixels", "segment_pixels", "unlabelled_pixels"].map(|key| header[key].as_u64().unwrap());
+        assert_eq!(Some(parts.iter().sum()), header["returns"].as_u64(), "{set}: every return is one of three");
+        assert!(header["segments_listed"].as_u64() > Some(10), "{set}: {header}");
+    }
+}
