@@ -155,6 +155,8 @@ fn stream() -> impl Strategy<Value = (Vec<Vec<u8>>, Vec<u8>)> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn pieces_do_not_matter((_, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
         let whole = decode(&bytes, &[bytes.len()]);

@@ -7,6 +7,7 @@ use core::task::Poll;
 use embedded_hal_async::delay::DelayNs;
 use embedded_io_async::{Read, Write};
 
+use super::command::CommandBytes;
 use super::scan::Scan;
 use super::session::{Action, Phase, Session, Settings};
 use super::settings::Baud;
@@ -31,19 +32,30 @@ pub struct Scanner<P, C, D> {
     port: P,
     clock: C,
     delay: D,
+    outbox: Outbox,
+}
+
+/// A command on its way out, kept here so that a dropped future does not cut it off.
+#[derive(Debug)]
+struct Outbox {
+    bytes: CommandBytes,
+    sent: usize,
+    gap_us: u32,
+    gap_due: bool,
 }
 
 impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
     /// Touches nothing yet: the scanner is looked for in the first calls of [`Scanner::next_event`].
     pub const fn new(port: P, clock: C, delay: D, settings: Settings) -> Self {
-        Self { session: Session::new(settings), inbox: Inbox::new(), port, clock, delay }
+        let outbox = Outbox { bytes: CommandBytes::EMPTY, sent: 0, gap_us: 0, gap_due: false };
+        Self { session: Session::new(settings), inbox: Inbox::new(), port, clock, delay, outbox }
     }
 
     /// Waits for the next event. Returns within seconds even if there is no scanner (with
     /// [`ScannerEvent::Trouble`]), and from then on as often as something happens.
     ///
-    /// Cancel-safe, given a cancel-safe `read` of the port: no received byte is lost. A command cut off in the middle is
-    /// sent again when its answer does not come.
+    /// Cancel-safe, as far as `read` and `write` of the port are: no received byte is lost, and the next call goes on with a
+    /// command that was being sent.
     ///
     /// # Errors
     /// Only those of the port. What was read before is kept, so the call may be repeated.
@@ -53,9 +65,10 @@ impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
             if let Some(event) = self.inbox.next(&mut self.session, now_us) {
                 return Ok(event);
             }
+            self.send().await?;
             match self.session.poll(to_ms(now_us)) {
                 Action::SetBaud(baud) => self.port.set_baud(baud).map_err(Error::Port)?,
-                Action::Send { bytes, gap_us } => self.send(bytes.as_slice(), gap_us).await?,
+                Action::Send { bytes, gap_us } => self.outbox = Outbox { bytes, sent: 0, gap_us, gap_due: false },
                 Action::Wait { ms } => {
                     let read = self.port.read(self.inbox.room());
                     if let Some(count) = within(read, self.delay.delay_ms(ms)).await {
@@ -84,15 +97,18 @@ impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
         (self.port, self.clock, self.delay)
     }
 
-    /// Every byte has left the port when this returns, so that the rate may be changed right after.
-    async fn send(&mut self, bytes: &[u8], gap_us: u32) -> Result<(), Error<P::Error>> {
-        let piece = if gap_us == 0 { bytes.len() } else { 1 };
-        for piece in bytes.chunks(piece) {
-            self.port.write_all(piece).await.map_err(Error::Port)?;
-            self.port.flush().await.map_err(Error::Port)?;
-            if gap_us > 0 {
-                self.delay.delay_us(gap_us).await;
+    /// Sends what is in the outbox. Every byte has left the port when this returns, so that the rate may be changed.
+    async fn send(&mut self) -> Result<(), Error<P::Error>> {
+        let Outbox { bytes, sent, gap_us, gap_due } = &mut self.outbox;
+        while let Some(rest @ [first, ..]) = bytes.as_slice().get(*sent..) {
+            if *gap_due {
+                self.delay.delay_us(*gap_us).await;
+                *gap_due = false;
             }
+            let piece = if *gap_us > 0 { core::slice::from_ref(first) } else { rest };
+            *sent += self.port.write(piece).await.map_err(Error::Port)?;
+            *gap_due = *gap_us > 0;
+            self.port.flush().await.map_err(Error::Port)?;
         }
         Ok(())
     }
