@@ -1,8 +1,9 @@
 //! Telegrams that scanners and their drivers really sent, byte for byte.
 
 use scanseg_hal::lms2xx::command::{Answer, Command, Configuration, MODE_ANSWER, POWER_ON};
+use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
-    Baud, Decoder, Event, MeasuringMode, Reading, ScanError, ScanFormat, Severity, TelegramError, Unit, Variant,
+    Baud, Beam, Decoder, Event, MeasuringMode, Reading, ScanError, ScanFormat, Severity, TelegramError, Unit, Variant,
 };
 
 /// All events of these bytes but `NeedMore`.
@@ -230,4 +231,123 @@ fn blind_spots_of_the_check_word() {
         }
     }
     assert!(passed > 0, "no decoder can see these");
+}
+
+fn framed(payload: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![0x02, 0x80];
+    bytes.extend((payload.len() as u16).to_le_bytes());
+    bytes.extend(payload);
+    bytes.extend(check_word(&bytes).to_le_bytes());
+    bytes
+}
+
+fn scan_of(count_word: u16, values: usize, status: u8) -> Vec<u8> {
+    let mut payload = vec![0xB0];
+    payload.extend(count_word.to_le_bytes());
+    payload.resize(3 + 2 * values, 0);
+    payload.push(status);
+    framed(&payload)
+}
+
+fn rejection(bytes: &[u8]) -> Option<TelegramError> {
+    events(&mut Decoder::new(), bytes).into_iter().find_map(|event| match event {
+        Event::Rejected(error) => Some(error),
+        _ => None,
+    })
+}
+
+/// All with a right check word.
+#[test]
+fn contradictions_are_rejected() {
+    use ScanError::{Count, Length, Partial, SubRange, TooShort};
+    let scan = |error| Some(TelegramError::Scan(error));
+    let unit_mm = 1 << 14;
+    assert_eq!(rejection(&scan_of(181 | unit_mm, 181, 0x10)), None);
+    assert_eq!(rejection(&scan_of(181 | unit_mm, 180, 0x10)), scan(Length { length: 364, count: 181 }));
+    // Two index bytes are as long as a value.
+    assert_eq!(rejection(&scan_of(181 | unit_mm, 182, 0x10)), None);
+    assert_eq!(rejection(&scan_of(181 | unit_mm, 183, 0x10)), scan(Length { length: 370, count: 181 }));
+    assert_eq!(rejection(&scan_of(180 | unit_mm, 180, 0x10)), scan(Count(180)), "only partial scans have so many");
+    assert_eq!(rejection(&scan_of(180 | 0x3000 | unit_mm, 180, 0x10)), None);
+    assert_eq!(rejection(&scan_of(181 | 0x3000 | unit_mm, 181, 0x10)), scan(Count(181)));
+    assert_eq!(rejection(&scan_of(361 | 0x2000 | unit_mm, 361, 0x10)), scan(Count(361)));
+    assert_eq!(rejection(&scan_of(181 | 0x0800, 181, 0x10)), scan(Partial { partial: false, quarter: 1 }));
+    assert_eq!(rejection(&scan_of(181 | 3 << 14, 181, 0x10)), scan(ScanError::Unit(3)));
+    for status in 0..=u8::MAX {
+        let expected = (status & 7 > 4).then_some(TelegramError::Status(status));
+        assert_eq!(rejection(&scan_of(181, 181, status)), expected);
+    }
+    assert_eq!(rejection(&framed(&[0xB0, 0x01, 0x10])), scan(TooShort { length: 3 }));
+    let sub_range = |first: u8, last: u8, count: u8| {
+        let mut payload = vec![0xB7, first, 0, last, 0, count, 0x40];
+        payload.resize(7 + 2 * usize::from(count), 0);
+        payload.push(0x10);
+        rejection(&framed(&payload))
+    };
+    assert_eq!(sub_range(1, 10, 10), None);
+    assert_eq!(sub_range(0, 9, 10), scan(SubRange { first: 0, last: 9 }));
+    assert_eq!(sub_range(1, 10, 9), scan(SubRange { first: 1, last: 10 }));
+    assert_eq!(sub_range(10, 1, 8), scan(SubRange { first: 10, last: 1 }));
+}
+
+#[test]
+fn special_values_are_kept_apart() {
+    use MeasuringMode::*;
+    for (mode, max) in [
+        (Range8Fields, 0x1FFF),
+        (Range8Reflector, 0x1FFF),
+        (Range8FieldsAbc, 0x1FFF),
+        (Range16Reflector, 0x3FFF),
+        (Range16Fields, 0x3FFF),
+        (Range32Reflector, 0x7FFF),
+        (Range32Field, 0x7FFF),
+        (Range32Immediate, 0xFFFF),
+    ] {
+        let special = [
+            (max, Reading::Invalid),
+            (max - 1, Reading::Dazzled),
+            (max - 2, Reading::Overflow),
+            (max - 3, Reading::Unassigned(max - 3)),
+            (max - 4, Reading::WeakSignal),
+            (max - 5, Reading::ChannelError),
+            (max - 6, Reading::Unassigned(max - 6)),
+            (max - 7, Reading::Unassigned(max - 7)),
+            (max - 8, Reading::AboveMaximum),
+        ];
+        for word in 0..=u16::MAX {
+            let beam = Beam::new(word, mode);
+            let counts = word & max;
+            let listed = special.iter().find(|(code, _)| *code == counts).map(|(_, reading)| *reading);
+            assert_eq!(beam.reading, listed.unwrap_or(Reading::Range(counts)));
+            assert_eq!(u32::from(beam.flags), u32::from(word) / (u32::from(max) + 1));
+            let range = listed.is_none().then_some(u32::from(counts));
+            assert_eq!(beam.range_mm(Unit::Millimetre), range);
+            assert_eq!(beam.range_mm(Unit::Centimetre), range.map(|counts| counts * 10));
+            assert_eq!(beam.range_mm(Unit::Decimetre), range.map(|counts| counts * 100));
+        }
+    }
+    // The table in SICK's telegram list, 13 bits.
+    for (code, reading) in [
+        (8191, Reading::Invalid),
+        (8190, Reading::Dazzled),
+        (8189, Reading::Overflow),
+        (8187, Reading::WeakSignal),
+        (8186, Reading::ChannelError),
+        (8183, Reading::AboveMaximum),
+    ] {
+        assert_eq!(Beam::new(code, Range8Fields), Beam { reading, flags: 0 });
+        assert_eq!(Beam::new(code | 0xA000, Range8Fields), Beam { reading, flags: 5 });
+    }
+}
+
+#[test]
+fn status_bits() {
+    use scanseg_hal::lms2xx::Status;
+    let severities = [Severity::Ok, Severity::Info, Severity::Warning, Severity::Error, Severity::Fatal];
+    for (bits, severity) in (0u8..).zip(severities) {
+        assert_eq!(Status(bits | 0x10).severity(), Some(severity));
+    }
+    assert_eq!(Status(0x15).severity(), None);
+    assert!(Status(0xC0).implausible() && Status(0xC0).polluted() && !Status(0xC0).restarting());
+    assert!(!Status(0x10).implausible(), "the device bits say nothing of plausibility");
 }

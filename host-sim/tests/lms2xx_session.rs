@@ -247,6 +247,31 @@ fn power_on_message_restarts_the_session() {
     bench.run_scans(3, 30_000);
 }
 
+/// A false start byte claims the answer, and no further byte comes to show that it was false.
+#[test]
+fn answer_behind_a_false_start() {
+    let mut session = Session::new(SETTINGS);
+    let mut now_ms = 0;
+    let mut next_command = |session: &mut Session| loop {
+        match session.poll(now_ms) {
+            Action::Send { bytes, .. } => return bytes.as_slice()[4],
+            Action::Wait { ms } => now_ms += ms,
+            Action::SetBaud(_) => {}
+            Action::Tell(trouble) => panic!("{trouble}"),
+        }
+    };
+    assert_eq!(next_command(&mut session), 0x20);
+    let answer = [0x06, 0x02, 0x80, 0x03, 0x00, 0xA0, 0x00, 0x10, 0x16, 0x0A];
+    let mut bytes = &[&[0x02, 0x80, 0x40, 0x00, 0xA0], &answer[..]].concat()[..];
+    while !bytes.is_empty() {
+        let (used, event) = session.feed(60, bytes);
+        bytes = &bytes[used..];
+        assert_eq!(event, SessionEvent::NeedMore);
+    }
+    assert_eq!(session.phase(), Phase::Finding);
+    assert_eq!(next_command(&mut session), 0x3B, "found without a second try");
+}
+
 /// Each thing that can go wrong, with each command of the set-up, once and then over and over.
 #[test]
 fn every_mishap_with_every_command() {
