@@ -1,6 +1,7 @@
 //! The session against a virtual scanner: found at every rate, set up, and recovered from every fault.
 
 use proptest::prelude::*;
+use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
     Action, Baud, MeasuringMode, Phase, Session, SessionEvent, Settings, Trouble, Unit, Variant,
 };
@@ -247,6 +248,32 @@ fn power_on_message_restarts_the_session() {
     bench.run_scans(3, 30_000);
 }
 
+/// Scans that are good in themselves but not as set up do not count.
+#[test]
+fn scans_of_another_format() {
+    let mut bench = Bench::new(VirtualLms::new(ramp), SETTINGS);
+    bench.run_up();
+    bench.lms.fall_silent(bench.now_us);
+    bench.run_ms(400);
+    assert_eq!((bench.session.phase(), bench.rejected), (Phase::Running, 0));
+    let mut bytes = vec![0x02, 0x80, 0x6E, 0x01, 0xB0, 0xB5, 0x00];
+    bytes.resize(7 + 2 * 181, 0);
+    bytes.push(0x10);
+    bytes.extend(check_word(&bytes).to_le_bytes());
+    let before = bench.scans;
+    for count in 1.. {
+        bench.receive(&bytes);
+        bench.run_ms(50);
+        if bench.session.phase() != Phase::Running {
+            assert!(count > 10);
+            break;
+        }
+        assert_eq!((bench.rejected, bench.scans), (count, before));
+    }
+    bench.run_scans(3, 30_000);
+    assert_eq!(bench.troubles, [Trouble::Silent]);
+}
+
 /// A false start byte claims the answer, and no further byte comes to show that it was false.
 #[test]
 fn answer_behind_a_false_start() {
@@ -296,6 +323,10 @@ fn every_mishap_with_every_command() {
             let told = !bench.troubles.is_empty();
             let may_tell = code == 0x77 || (at == 1 && mishap == NoAnswer) || (code == 0x74 && mishap == Refuse);
             assert!(!told || may_tell, "{mishap:?} at {at}: {:?}", bench.troubles);
+
+            if code == 0x20 && at == 8 && mishap == NoAnswer {
+                assert_eq!(bench.lms.commands, CODES, "the scans are answer enough");
+            }
 
             // Again, but now so often that the session has to start over.
             let lms = VirtualLms::new(ramp).running(Baud::B9600, Variant::Deg180Step1);

@@ -9,6 +9,8 @@ use scanseg_hal::lms2xx::{Baud, Variant};
 const BOOT_US: u64 = 4_000_000;
 /// Time from a command to its acknowledgement.
 const ACKNOWLEDGE_US: u64 = 8_000;
+/// Deafness after a change of the rate.
+const RATE_CHANGE_US: u64 = 200_000;
 /// Silence within a command after which the scanner forgets what it has of it.
 const COMMAND_PAUSE_US: u64 = 20_000;
 /// At 500 000 Bd, a byte that ends sooner than this after the one before is lost: 55 us of silence and its own 20.
@@ -85,6 +87,7 @@ pub struct VirtualLms {
     /// Bytes on their way to the scanner: when they arrive, and the rate they were sent at.
     coming: VecDeque<(u64, u8, Baud)>,
     last_came_us: u64,
+    deaf_until_us: u64,
     command: Vec<u8>,
     /// Answers to be sent: from when, what, and what then.
     answers: VecDeque<(u64, Vec<u8>, After)>,
@@ -125,6 +128,7 @@ impl VirtualLms {
             booting_until_us: Some(BOOT_US),
             coming: VecDeque::new(),
             last_came_us: 0,
+            deaf_until_us: 0,
             command: Vec::new(),
             answers: VecDeque::new(),
             rate_change: None,
@@ -223,6 +227,7 @@ impl VirtualLms {
             }
             if next == rate {
                 self.baud = self.rate_change.take().expect("there is one").1;
+                self.deaf_until_us = next + RATE_CHANGE_US;
             } else if next == boot {
                 self.booting_until_us = None;
                 self.send(next, &[&[0x90], TYPE].concat());
@@ -241,7 +246,10 @@ impl VirtualLms {
             } else if next == byte {
                 let (time_us, byte, sent_at) = self.coming.pop_front().expect("there is one");
                 let random = self.next_random();
-                if let (None, Some(byte)) = (self.booting_until_us, garble(byte, sent_at, self.baud, random)) {
+                let deaf = self.booting_until_us.is_some() || time_us < self.deaf_until_us;
+                if let Some(byte) = garble(byte, sent_at, self.baud, random)
+                    && !deaf
+                {
                     self.receive(time_us, byte);
                 }
             } else {
