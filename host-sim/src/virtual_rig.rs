@@ -2,6 +2,8 @@
 
 mod as5048a;
 mod lms2xx;
+mod wires;
 
 pub use as5048a::VirtualAs5048a;
-pub use lms2xx::{Beam, Faults, Mishap, VirtualLms};
+pub use lms2xx::{Beam, Mishap, VirtualLms};
+pub use wires::{Faults, Wires};

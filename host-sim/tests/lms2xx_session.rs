@@ -193,12 +193,12 @@ fn values_arrive_in_order() {
 #[test]
 fn nobody_there() {
     let mut bench = Bench::new(VirtualLms::new(ramp), SETTINGS);
-    bench.lms.faults.drop_one_in = 1;
+    bench.lms.wires.faults.drop_one_in = 1;
     bench.run_ms(20_000);
     assert!(bench.troubles.len() >= 2, "{:?}", bench.troubles);
     assert!(bench.troubles.iter().all(|trouble| *trouble == Trouble::NotFound));
     assert_eq!(bench.session.phase(), Phase::Finding);
-    bench.lms.faults.drop_one_in = 0;
+    bench.lms.wires.faults.drop_one_in = 0;
     bench.run_scans(3, 30_000);
 }
 
@@ -367,7 +367,7 @@ fn bad_wires() {
     ] {
         let mut bench = Bench::new(VirtualLms::new(ramp), Settings { baud: Baud::B500000, ..SETTINGS });
         bench.run_up();
-        bench.lms.faults = faults;
+        bench.lms.wires.faults = faults;
         let before = bench.scans;
         bench.run_ms(20_000);
         let scans = bench.scans - before;
@@ -403,11 +403,11 @@ proptest! {
             match blow {
                 0 => bench.lms.power_cycle(bench.now_us),
                 1 => bench.lms.fall_silent(bench.now_us),
-                2 => bench.lms.faults.flip_one_in = 300,
-                _ => bench.lms.faults.drop_one_in = 300,
+                2 => bench.lms.wires.faults.flip_one_in = 300,
+                _ => bench.lms.wires.faults.drop_one_in = 300,
             }
         }
-        bench.lms.faults = Faults::default();
+        bench.lms.wires.faults = Faults::default();
         bench.run_scans(3, 200_000);
     }
 }

@@ -9,8 +9,8 @@ use embedded_io_async::{Read, Write};
 
 use super::command::CommandBytes;
 use super::scan::Scan;
-use super::session::{Action, Phase, Session, Settings};
-use super::settings::Baud;
+use super::session::{Action, Phase, Session};
+use super::settings::{Baud, Settings};
 use super::shell::{Error, Inbox, ScannerEvent, to_ms};
 use crate::Clock;
 

@@ -4,8 +4,8 @@ use embedded_hal::delay::DelayNs;
 use embedded_io::{Read, ReadReady, Write};
 
 use super::scan::Scan;
-use super::session::{Action, Phase, Session, Settings};
-use super::settings::Baud;
+use super::session::{Action, Phase, Session};
+use super::settings::{Baud, Settings};
 use super::shell::{Error, Inbox, ScannerEvent, to_ms};
 use crate::Clock;
 

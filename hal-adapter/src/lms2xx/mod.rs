@@ -17,10 +17,14 @@ mod scan;
 mod session;
 mod settings;
 mod shell;
+mod status;
 mod telegram;
+mod trouble;
 
 pub use scan::{Beam, Reading, SCAN, SUB_RANGE, Scan, ScanError, ScanFormat};
-pub use session::{Action, Phase, Session, SessionEvent, Settings, Trouble};
-pub use settings::{Baud, MeasuringMode, Unit, Variant};
+pub use session::{Action, Phase, Session, SessionEvent};
+pub use settings::{Baud, MeasuringMode, Settings, Unit, Variant};
 pub use shell::{Error, ScannerEvent};
-pub use telegram::{Decoder, Event, Fed, MAX_TELEGRAM, Severity, Status, Telegram, TelegramError};
+pub use status::{Severity, Status};
+pub use telegram::{Decoder, Event, Fed, MAX_TELEGRAM, Telegram, TelegramError};
+pub use trouble::Trouble;

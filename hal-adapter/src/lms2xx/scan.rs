@@ -7,7 +7,7 @@
 //! ```
 
 use super::settings::{MeasuringMode, Unit, Variant};
-use super::telegram::Status;
+use super::status::Status;
 
 /// Code of a telegram with all values of a scan.
 pub const SCAN: u8 = 0xB0;

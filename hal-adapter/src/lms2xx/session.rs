@@ -1,9 +1,10 @@
 //! Finds an LMS 2xx, sets it up, starts it, and starts over when it falls silent: a state machine without port or clock.
 
 use super::command::{Answer, Command, CommandBytes, Configuration, POWER_ON, RESET_ANSWER};
-use super::scan::{SCAN, Scan, ScanFormat};
-use super::settings::{Baud, MeasuringMode, Unit, Variant};
+use super::scan::{SCAN, Scan};
+use super::settings::{Baud, Settings};
 use super::telegram::{Decoder, Event, MAX_TELEGRAM, Telegram, TelegramError};
+use super::trouble::Trouble;
 
 /// Time within which the scanner acknowledges a command, when its line is free.
 const ACKNOWLEDGE_MS: u32 = 60;
@@ -14,31 +15,6 @@ const RATE_CHANGE_MS: u32 = 250;
 /// Tries of a command before the session starts over, and of each rate while searching.
 const TRIES: u8 = 3;
 const FIND_TRIES: u8 = 2;
-
-/// How the scanner shall be set up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Settings {
-    /// Rate of the line. [`Baud::B500000`] needs RS-422: over RS-232 the scanner agrees to it and is not heard again until
-    /// its power is cycled.
-    pub baud: Baud,
-    /// Field of view and step.
-    pub variant: Variant,
-    /// Unit of the values. With measuring mode and unit as the scanner has them nothing is written into its EEPROM.
-    pub unit: Unit,
-    /// How the bits of a value are used.
-    pub mode: MeasuringMode,
-    /// Each mirror turn sent on its own instead of merged with its neighbours, which suits a turning scanner best.
-    pub interlaced: bool,
-}
-
-impl Settings {
-    /// What scans look like under these settings.
-    #[must_use]
-    pub const fn format(&self) -> ScanFormat {
-        ScanFormat { variant: self.variant, unit: self.unit, interlaced: self.interlaced }
-    }
-}
 
 /// How far a session is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,56 +49,6 @@ pub enum Action {
     /// Nothing to do: something went wrong, and the session deals with it.
     Tell(Trouble),
 }
-
-/// What went wrong. The session retries by itself and never gives up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Trouble {
-    /// No answer at any rate. The search goes on.
-    NotFound,
-    /// A command was not answered, several times.
-    NoAnswer {
-        /// Its code.
-        command: u8,
-    },
-    /// A command arrived damaged (NACK), several times.
-    NotAcknowledged {
-        /// Its code.
-        command: u8,
-    },
-    /// The scanner refused a command, several times.
-    Refused {
-        /// Its code.
-        command: u8,
-        /// The reason it gave, see [`Answer::Refused`].
-        reason: u8,
-    },
-    /// The configuration block has a length that no known scanner has.
-    Configuration {
-        /// Its length in bytes.
-        length: u16,
-    },
-    /// Scans stopped coming, or none is as the settings say.
-    Silent,
-    /// The scanner announced that it has been switched on or was reset.
-    Restarted,
-}
-
-impl core::fmt::Display for Trouble {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::NotFound => write!(f, "no scanner answers at any baud rate"),
-            Self::NoAnswer { command } => write!(f, "command {command:#04x} is not answered"),
-            Self::NotAcknowledged { command } => write!(f, "command {command:#04x} arrives damaged"),
-            Self::Refused { command, reason } => write!(f, "command {command:#04x} is refused with {reason:#04x}"),
-            Self::Configuration { length } => write!(f, "configuration block has {length} bytes"),
-            Self::Silent => write!(f, "scans have stopped"),
-            Self::Restarted => write!(f, "scanner has restarted"),
-        }
-    }
-}
-
-impl core::error::Error for Trouble {}
 
 /// What [`Session::feed`] met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

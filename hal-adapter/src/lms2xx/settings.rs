@@ -1,5 +1,7 @@
 //! What can be set on an LMS 2xx.
 
+use super::scan::ScanFormat;
+
 /// Rate of the serial line, always 8 data bits, no parity, one stop bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -200,5 +202,30 @@ impl MeasuringMode {
             Self::Range32Field => 0x06,
             Self::Range32Immediate => 0x0F,
         }
+    }
+}
+
+/// How the scanner shall be set up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settings {
+    /// Rate of the line. [`Baud::B500000`] needs RS-422: over RS-232 the scanner agrees to it and is not heard again until
+    /// its power is cycled.
+    pub baud: Baud,
+    /// Field of view and step.
+    pub variant: Variant,
+    /// Unit of the values. With measuring mode and unit as the scanner has them nothing is written into its EEPROM.
+    pub unit: Unit,
+    /// How the bits of a value are used.
+    pub mode: MeasuringMode,
+    /// Each mirror turn sent on its own instead of merged with its neighbours, which suits a turning scanner best.
+    pub interlaced: bool,
+}
+
+impl Settings {
+    /// What scans look like under these settings.
+    #[must_use]
+    pub const fn format(&self) -> ScanFormat {
+        ScanFormat { variant: self.variant, unit: self.unit, interlaced: self.interlaced }
     }
 }

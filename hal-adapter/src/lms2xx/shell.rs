@@ -1,7 +1,8 @@
 //! What the blocking and the async scanner share.
 
-use super::session::{Session, SessionEvent, Trouble};
+use super::session::{Session, SessionEvent};
 use super::telegram::TelegramError;
+use super::trouble::Trouble;
 
 /// What a scanner on its port has to tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,6 +5,8 @@ use std::collections::VecDeque;
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{Baud, Variant};
 
+use super::wires::Wires;
+
 /// Time from switching on to the power-on message.
 const BOOT_US: u64 = 4_000_000;
 /// Time from a command to its acknowledgement.
@@ -16,17 +18,6 @@ const COMMAND_PAUSE_US: u64 = 20_000;
 /// At 500 000 Bd, a byte that ends sooner than this after the one before is lost: 55 us of silence and its own 20.
 const FAST_BYTE_US: u64 = 75;
 const TYPE: &[u8] = b"LMS200;301063;V02.10 ";
-
-/// Damage on the wires, in both directions: of so many bytes one suffers, 0 for none.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Faults {
-    /// Bytes that vanish.
-    pub drop_one_in: u32,
-    /// Bytes of which one bit flips.
-    pub flip_one_in: u32,
-    /// Bytes that are followed by another, invented one.
-    pub insert_one_in: u32,
-}
 
 /// What the scanner does wrong with a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,9 +90,8 @@ pub struct VirtualLms {
     /// Bytes on their way to the host.
     going: VecDeque<(u64, u8, Baud)>,
     line_free_us: u64,
-    random: u64,
-    /// Damage on the wires from now on.
-    pub faults: Faults,
+    /// The wires to and from it.
+    pub wires: Wires,
     /// What goes wrong with the next commands that arrive whole, in order.
     pub mishaps: VecDeque<Mishap>,
     /// Rate after switching on.
@@ -136,8 +126,7 @@ impl VirtualLms {
             turns_running: 0,
             going: VecDeque::new(),
             line_free_us: 0,
-            random: 0x9E37_79B9_7F4A_7C15,
-            faults: Faults::default(),
+            wires: Wires::default(),
             mishaps: VecDeque::new(),
             permanent_baud: Baud::B9600,
             eeprom_writes: 0,
@@ -170,7 +159,7 @@ impl VirtualLms {
         let mut time_us = now_us;
         for &byte in bytes {
             time_us += u64::from(baud.line_time_us(1));
-            for byte in self.damage(byte) {
+            for byte in self.wires.damage(byte) {
                 self.coming.push_back((time_us, byte, baud));
             }
         }
@@ -185,8 +174,8 @@ impl VirtualLms {
             && time_us <= now_us
         {
             self.going.pop_front();
-            if let Some(byte) = garble(byte, sent_at, baud, self.next_random()) {
-                bytes.extend(self.damage(byte));
+            if let Some(byte) = self.wires.garble(byte, sent_at, baud) {
+                bytes.extend(self.wires.damage(byte));
             }
         }
         bytes
@@ -245,9 +234,8 @@ impl VirtualLms {
                 }
             } else if next == byte {
                 let (time_us, byte, sent_at) = self.coming.pop_front().expect("there is one");
-                let random = self.next_random();
                 let deaf = self.booting_until_us.is_some() || time_us < self.deaf_until_us;
-                if let Some(byte) = garble(byte, sent_at, self.baud, random)
+                if let Some(byte) = self.wires.garble(byte, sent_at, self.baud)
                     && !deaf
                 {
                     self.receive(time_us, byte);
@@ -421,30 +409,6 @@ impl VirtualLms {
         }
         self.line_free_us = from_us + u64::from(self.baud.line_time_us(bytes.len() as u32));
     }
-
-    /// What becomes of a byte on the wires.
-    fn damage(&mut self, byte: u8) -> impl Iterator<Item = u8> + use<> {
-        let faults = self.faults;
-        let mut strikes = |one_in: u32| one_in > 0 && self.next_random().is_multiple_of(u64::from(one_in));
-        let (dropped, flipped, inserted) =
-            (strikes(faults.drop_one_in), strikes(faults.flip_one_in), strikes(faults.insert_one_in));
-        let random = self.next_random();
-        let byte = if flipped { byte ^ 1 << (random % 8) } else { byte };
-        let kept = (!dropped).then_some(byte);
-        kept.into_iter().chain(inserted.then_some((random >> 8) as u8))
-    }
-
-    fn next_random(&mut self) -> u64 {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        self.random >> 16
-    }
-}
-
-/// What a byte sent at one rate is taken for at another: nothing at all, or anything.
-fn garble(byte: u8, sent_at: Baud, read_at: Baud, random: u64) -> Option<u8> {
-    if sent_at == read_at { Some(byte) } else { random.is_multiple_of(3).then_some((random >> 8) as u8) }
 }
 
 /// The telegram of a payload, code to status.
