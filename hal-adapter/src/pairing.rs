@@ -42,8 +42,9 @@ pub struct Sweep {
     step_quarters: u16,
     /// Field of view, quarter degrees.
     view_quarters: u16,
-    /// Mirror turns merged in the telegram; the column's number in the whole scan modulo this is the turn it is of.
-    turns: u16,
+    /// Mirror turns merged in the telegram (1, 2 or 4) less one: these bits of a column's number in the whole scan say which
+    /// turn it is of.
+    turn_mask: u16,
     first_column: u16,
     columns: u16,
 }
@@ -60,7 +61,7 @@ impl Sweep {
             first_quarter,
             step_quarters: 4 / turns,
             view_quarters: 4 * variant.view_deg(),
-            turns,
+            turn_mask: turns - 1,
             first_column: scan.first_column(),
             columns: scan.columns(),
         }
@@ -77,7 +78,7 @@ impl Sweep {
     #[must_use]
     pub fn age_us(&self, column: u16) -> f32 {
         let column = column.saturating_add(self.first_column);
-        let turns_after = f32::from(self.turns - 1 - column % self.turns);
+        let turns_after = f32::from(self.turn_mask - (column & self.turn_mask));
         let quarter = f32::from(self.first_quarter) + f32::from(column) * f32::from(self.step_quarters);
         (turns_after + (f32::from(self.view_quarters) - quarter) / 1440.0) * MIRROR_TURN_US
     }

@@ -407,3 +407,13 @@ fn time_left(now_ms: u32, until_ms: u32) -> Option<u32> {
     let left = until_ms.wrapping_sub(now_ms);
     (left != 0 && left < 1 << 31).then_some(left)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn size() {
+        assert!(size_of::<Decoder>() < 900 && size_of::<Session>() < 1024);
+    }
+}

@@ -285,8 +285,11 @@ impl Decoder {
     /// Appends bytes. There is room: `examine` never asks for more than a telegram.
     fn hold(&mut self, bytes: &[u8]) {
         if self.end + bytes.len() > MAX_TELEGRAM {
-            self.buffer.copy_within(self.first..self.end, 0);
-            self.end -= self.first;
+            // Bounds that the compiler can see, so that no panic is left in the code.
+            let end = self.end.min(MAX_TELEGRAM);
+            let first = self.first.min(end);
+            self.buffer.copy_within(first..end, 0);
+            self.end = end - first;
             self.first = 0;
         }
         if let Some(room) = self.buffer.get_mut(self.end..self.end + bytes.len()) {
