@@ -24,11 +24,7 @@
 //!     let mut pairing = Pairing::new();
 //!     loop {
 //!         match scanner.next_event()? {
-//!             ScannerEvent::Start { time_us } => {
-//!                 if let Ok(latch) = tilt.read(&mut clock) {
-//!                     pairing.start(time_us, latch);
-//!                 }
-//!             }
+//!             ScannerEvent::Start { time_us } => pairing.start(time_us, tilt.read(&mut clock).ok()),
 //!             ScannerEvent::Scan => {
 //!                 let Some(scan) = scanner.scan() else { continue };
 //!                 let Some(turns) = pairing.row(Sweep::of(&scan, settings.variant)) else { continue };

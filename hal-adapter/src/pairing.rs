@@ -114,10 +114,10 @@ impl Pairing {
     }
 
     /// A start byte came at `start_us`, and the tilt was read on that occasion: `latch` carries its own time, by the same
-    /// clock. If what began there was no telegram, the next call takes its place, as long as [`Pairing::row`] has not been
-    /// called.
-    pub fn start(&mut self, start_us: u64, latch: Latch) {
-        self.now = Some(Start { latch, start_us });
+    /// clock; `None` if it could not be read, and then this telegram gets no row. If what began there was no telegram, the
+    /// next call takes its place.
+    pub fn start(&mut self, start_us: u64, latch: Option<Latch>) {
+        self.now = latch.map(|latch| Start { latch, start_us });
     }
 
     /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` for the first telegram,

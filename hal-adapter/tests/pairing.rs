@@ -55,8 +55,8 @@ fn ages() {
     assert_eq!(part.age_us(1), two.age_us(90));
 }
 
-fn latch(turn_rad: f32, time_us: u64) -> Latch {
-    Latch { turn_rad, time_us }
+fn latch(turn_rad: f32, time_us: u64) -> Option<Latch> {
+    Some(Latch { turn_rad, time_us })
 }
 
 #[test]
@@ -83,6 +83,10 @@ fn rows() {
     // A telegram was lost: the rate is taken over two periods.
     pairing.start(1_080_100, latch(1.3, 1_080_200));
     close(pairing.row(sweep).expect("row").rate_rad_per_s(), 0.2 / 0.0534);
+    // The encoder failed at the true start: that of the false one does not serve.
+    pairing.start(1_090_000, latch(1.3, 1_090_100));
+    pairing.start(1_106_800, None);
+    assert_eq!(pairing.row(sweep), None);
     // Two latches at one time have no rate, nor has a clock that ran backwards.
     pairing.start(1_080_100, latch(1.4, 1_080_200));
     assert_eq!(pairing.row(sweep), None);

@@ -83,7 +83,8 @@ fn compare(variant: Variant, interlaced: bool, tilt: fn(f64) -> f64) -> Compared
                     let exact = tilt((now_us + 100) as f64);
                     let bits = std::f64::consts::TAU / 16384.0;
                     latch_rad = (exact / bits).round() * bits;
-                    pairing.start(now_us, Latch { turn_rad: latch_rad as f32, time_us: now_us + 100 });
+                    let latch = Latch { turn_rad: latch_rad as f32, time_us: now_us + 100 };
+                    pairing.start(now_us, Some(latch));
                 }
                 Event::Telegram { .. } => {
                     let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan()) else { continue };
