@@ -6,3 +6,4 @@ pub mod office;
 pub mod overview;
 pub mod picture;
 pub mod segmentation;
+pub mod virtual_rig;

@@ -1,0 +1,227 @@
+//! Commands to the LMS 2xx and the answers to them.
+
+use super::crc::check_word;
+use super::settings::{Baud, MeasuringMode, Unit, Variant};
+use super::telegram::Telegram;
+
+/// Answer to a change of the operating mode or the baud rate.
+pub const MODE_ANSWER: u8 = 0xA0;
+/// Sent by the scanner when it has been switched on.
+pub const POWER_ON: u8 = 0x90;
+/// Sent by the scanner when it has reset itself on command.
+pub const RESET_ANSWER: u8 = 0x91;
+/// The scanner did not understand.
+pub const INCORRECT_COMMAND: u8 = 0x92;
+
+/// Longest configuration block that is kept, in bytes. Scanners have 32 or 34.
+const MAX_CONFIGURATION: usize = 48;
+/// Longest command: header, code, configuration, check word.
+const MAX_COMMAND: usize = 4 + 1 + MAX_CONFIGURATION + 2;
+
+/// A command to the scanner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Command {
+    /// Restart; answered by [`RESET_ANSWER`] and, some 10 s later, [`POWER_ON`].
+    Reset,
+    /// Into installation mode, with the factory password: the only mode in which the configuration can be written.
+    Install,
+    /// Send complete scans from now on.
+    Start,
+    /// Send a partial scan after every mirror turn from now on.
+    StartInterlaced,
+    /// Send complete scans of these columns only from now on, first and last 1-based. Answered by 0xB7 telegrams.
+    StartSubRange {
+        /// First column, 1-based.
+        first: u16,
+        /// Last column, 1-based, not below `first`.
+        last: u16,
+    },
+    /// Send nothing unasked; also leaves the installation mode.
+    Stop,
+    /// Change the baud rate until the next power-on. The answer still comes at the old rate.
+    SetBaud(Baud),
+    /// Send one scan.
+    Poll,
+    /// Send the state.
+    Status,
+    /// Send the list of errors.
+    Errors,
+    /// Send type and version.
+    Type,
+    /// Set field of view and step.
+    SetVariant(Variant),
+    /// Send the configuration.
+    ReadConfiguration,
+    /// Write the configuration into the EEPROM, which wears out: only where it differs, and in installation mode.
+    WriteConfiguration(Configuration),
+}
+
+/// A command as bytes for the line.
+#[derive(Debug, Clone, Copy)]
+pub struct CommandBytes {
+    bytes: [u8; MAX_COMMAND],
+    length: usize,
+}
+
+impl CommandBytes {
+    pub(crate) const EMPTY: Self = Self { bytes: [0; MAX_COMMAND], length: 0 };
+
+    /// The bytes, start byte to check word.
+    #[must_use]
+    pub fn as_slice(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&[])
+    }
+
+    fn push(&mut self, bytes: &[u8]) {
+        if let Some(room) = self.bytes.get_mut(self.length..self.length + bytes.len()) {
+            room.copy_from_slice(bytes);
+            self.length += bytes.len();
+        }
+    }
+}
+
+impl Command {
+    /// The code byte of the command.
+    #[must_use]
+    pub const fn code(&self) -> u8 {
+        match self {
+            Self::Reset => 0x10,
+            Self::Install
+            | Self::Start
+            | Self::StartInterlaced
+            | Self::StartSubRange { .. }
+            | Self::Stop
+            | Self::SetBaud(_) => 0x20,
+            Self::Poll => 0x30,
+            Self::Status => 0x31,
+            Self::Errors => 0x32,
+            Self::Type => 0x3A,
+            Self::SetVariant(_) => 0x3B,
+            Self::ReadConfiguration => 0x74,
+            Self::WriteConfiguration(_) => 0x77,
+        }
+    }
+
+    /// The code of the telegram that answers it.
+    #[must_use]
+    pub const fn answer_code(&self) -> u8 {
+        match self {
+            Self::Reset => RESET_ANSWER,
+            _ => self.code() + 0x80,
+        }
+    }
+
+    /// The bytes to send.
+    #[must_use]
+    pub fn encode(&self) -> CommandBytes {
+        let mut out = CommandBytes::EMPTY;
+        out.push(&[0x02, 0x00, 0, 0, self.code()]);
+        match self {
+            Self::Install => out.push(b"\x00SICK_LMS"),
+            Self::Start => out.push(&[0x24]),
+            Self::StartInterlaced => out.push(&[0x2A]),
+            Self::StartSubRange { first, last } => {
+                let ([first_low, first_high], [last_low, last_high]) = (first.to_le_bytes(), last.to_le_bytes());
+                out.push(&[0x27, first_low, first_high, last_low, last_high]);
+            }
+            Self::Stop => out.push(&[0x25]),
+            Self::SetBaud(baud) => out.push(&[match baud {
+                Baud::B38400 => 0x40,
+                Baud::B19200 => 0x41,
+                Baud::B9600 => 0x42,
+                Baud::B500000 => 0x48,
+            }]),
+            Self::Poll => out.push(&[0x01]),
+            Self::SetVariant(variant) => out.push(&variant_bytes(*variant)),
+            Self::WriteConfiguration(configuration) => out.push(configuration.as_slice()),
+            Self::Reset | Self::Status | Self::Errors | Self::Type | Self::ReadConfiguration => {}
+        }
+        let [low, high] = ((out.length - 4) as u16).to_le_bytes();
+        let [_, _, length_low, length_high, ..] = &mut out.bytes;
+        (*length_low, *length_high) = (low, high);
+        out.push(&check_word(out.as_slice()).to_le_bytes());
+        out
+    }
+
+    /// Reads the telegram that came back. `None`: it answers something else.
+    #[must_use]
+    pub fn answer(&self, telegram: &Telegram<'_>) -> Option<Answer> {
+        if telegram.code() == INCORRECT_COMMAND {
+            return Some(Answer::Refused(INCORRECT_COMMAND));
+        }
+        if telegram.code() != self.answer_code() {
+            return None;
+        }
+        // Where the first byte tells success it is 0 after mode changes and 1 after settings.
+        let good = match self.code() {
+            0x20 => Some(0),
+            0x3B | 0x77 => Some(1),
+            _ => None,
+        };
+        let data = telegram.data();
+        Some(match (good, data) {
+            (None, _) => Answer::Done,
+            (Some(good), [first, ..]) if *first != good => Answer::Refused(*first),
+            (Some(_), []) => Answer::Refused(0xFF),
+            (Some(_), [_, rest @ ..]) => match self {
+                Self::SetVariant(variant) if rest != variant_bytes(*variant) => Answer::Refused(1),
+                _ => Answer::Done,
+            },
+        })
+    }
+}
+
+fn variant_bytes(variant: Variant) -> [u8; 4] {
+    [variant.view_deg() as u8, 0, variant.step_cdeg() as u8, 0]
+}
+
+/// How the scanner answered a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Answer {
+    /// It did what was asked.
+    Done,
+    /// It did not. The byte is the scanner's own reason (mode changes: 1 wrong password or not possible, 2 fault),
+    /// [`INCORRECT_COMMAND`], or 0xFF if it gave none.
+    Refused(u8),
+}
+
+/// The scanner's configuration block, as read from it. All but two bytes of it are passed through untouched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Configuration {
+    bytes: [u8; MAX_CONFIGURATION],
+    length: usize,
+}
+
+impl Configuration {
+    const MODE: usize = 5;
+    const UNIT: usize = 6;
+
+    /// From the answer to [`Command::ReadConfiguration`] (data without code and status). `None` if it is too short to hold
+    /// unit and mode, or longer than any known scanner's.
+    #[must_use]
+    pub fn new(data: &[u8]) -> Option<Self> {
+        let mut bytes = [0; MAX_CONFIGURATION];
+        bytes.get_mut(..data.len())?.copy_from_slice(data);
+        (data.len() > Self::UNIT).then_some(Self { bytes, length: data.len() })
+    }
+
+    /// The block.
+    #[must_use]
+    pub fn as_slice(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&[])
+    }
+
+    /// The same block with this measuring mode and unit.
+    #[must_use]
+    pub fn with(mut self, mode: MeasuringMode, unit: Unit) -> Self {
+        for (at, code) in [(Self::MODE, mode.code()), (Self::UNIT, unit.code())] {
+            if let Some(byte) = self.bytes.get_mut(at) {
+                *byte = code;
+            }
+        }
+        self
+    }
+}

@@ -1,0 +1,30 @@
+//! SICK LMS 2xx line scanners (LMS200, LMS211, LMS220, LMS221, LMS291) on their serial line.
+//!
+//! - [`Decoder`] finds telegrams in bytes, [`Scan`] reads the ranges in one.
+//! - [`command::Command`] makes the bytes of commands and judges the answers.
+//! - [`Session`] finds the scanner at whatever rate it talks, sets it up, starts it and keeps it running. It takes the
+//!   time and bytes, and says what to send and how long to wait; it needs no port.
+//! - [`blocking::Scanner`] and [`asynch::Scanner`] run a session on a port.
+//!
+//! A UART loses bytes that nobody fetches: at 500 000 Bd one comes every 20 us, so receive by interrupt or DMA into a
+//! buffer of at least 64 bytes.
+
+pub mod asynch;
+pub mod blocking;
+pub mod command;
+pub mod crc;
+mod scan;
+mod session;
+mod settings;
+mod shell;
+mod status;
+mod telegram;
+mod trouble;
+
+pub use scan::{Beam, Reading, SCAN, SUB_RANGE, Scan, ScanError, ScanFormat};
+pub use session::{Action, Phase, Session, SessionEvent};
+pub use settings::{Baud, MeasuringMode, Settings, Unit, Variant};
+pub use shell::{Error, ScannerEvent};
+pub use status::{Severity, Status};
+pub use telegram::{Decoder, Event, Fed, MAX_TELEGRAM, Telegram, TelegramError};
+pub use trouble::Trouble;

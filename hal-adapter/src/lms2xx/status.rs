@@ -1,0 +1,64 @@
+//! The status byte at the end of every telegram of the scanner.
+
+/// Status byte of the scanner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Status(
+    /// The byte as sent.
+    pub u8,
+);
+
+/// Gravity of what the scanner has to say, bits 0 to 2 of its status.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Severity {
+    /// No fault.
+    Ok,
+    /// Information.
+    Info,
+    /// Warning.
+    Warning,
+    /// Error.
+    Error,
+    /// Fatal error: the scanner needs service.
+    Fatal,
+}
+
+impl Status {
+    /// Gravity, bits 0 to 2. `None` for 5 to 7, which no scanner sends: telegrams with it are rejected.
+    #[must_use]
+    pub fn severity(self) -> Option<Severity> {
+        Some(match self.0 & 0x07 {
+            0 => Severity::Ok,
+            1 => Severity::Info,
+            2 => Severity::Warning,
+            3 => Severity::Error,
+            4 => Severity::Fatal,
+            _ => return None,
+        })
+    }
+
+    /// Bits 3 and 4: 2 in an ordinary LMS, 3 in the LMS 2xx-S14.
+    #[must_use]
+    pub fn device(self) -> u8 {
+        (self.0 >> 3) & 0x03
+    }
+
+    /// Bit 5: the scanner is restarting; seen in the first answers after power-on.
+    #[must_use]
+    pub fn restarting(self) -> bool {
+        self.0 & 0x20 != 0
+    }
+
+    /// Bit 6: implausible measured values.
+    #[must_use]
+    pub fn implausible(self) -> bool {
+        self.0 & 0x40 != 0
+    }
+
+    /// Bit 7: the front screen is dirty.
+    #[must_use]
+    pub fn polluted(self) -> bool {
+        self.0 & 0x80 != 0
+    }
+}

@@ -1,0 +1,187 @@
+//! Which turn angle belongs to which beam.
+//!
+//! The scanner sends no time. What is known is when the start byte of a telegram came, and how the scanner works: its mirror
+//! turns 75 times a second; a turn measures one beam every degree, from right to left; the telegram starts when the last
+//! beam has been measured. A complete scan in steps of 0.5 degree merges two turns (even columns the first, odd columns the
+//! second), one in steps of 0.25 degree four. At 0.5 rad/s a tilt moves by 0.38 degree between two mirror turns, so
+//! neighbouring columns of one telegram can differ by most of a step.
+//!
+//! The tilt is latched at each start byte. Two latches in a row give its rate, and with it the turn angle of every beam.
+//!
+//! What that buys, simulated: a floor 1 m below a scanner that tilts at 0.5 rad/s, seen up to 6 m away, encoder of 14 bits;
+//! distance of the points from the floor, root mean square:
+//!
+//! | | latched angle | [`RowTurn::turn_rad`] | [`RowTurn::beam_turn_rad`] |
+//! |---|---|---|---|
+//! | complete scans, 0.5 degree | 10.1 mm | 5.6 mm | 0.21 mm |
+//! | interlaced, 0.5 degree | 3.0 mm | 1.1 mm | 0.20 mm |
+
+use core::f32::consts::{PI, TAU};
+
+use crate::lms2xx::{Scan, Variant};
+
+/// One turn of the mirror, in microseconds.
+pub const MIRROR_TURN_US: f32 = 1e6 / 75.0;
+
+/// Turn angle of the scanner and when it was so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Latch {
+    /// Turn angle in radians.
+    pub turn_rad: f32,
+    /// Time in microseconds, any origin.
+    pub time_us: u64,
+}
+
+/// When, before the start byte, the beams of a telegram were measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sweep {
+    /// Bearing of the first column from the right edge of the field of view, and step between columns, quarter degrees.
+    first_quarter: u16,
+    step_quarters: u16,
+    /// Field of view, quarter degrees.
+    view_quarters: u16,
+    /// Mirror turns merged in the telegram (1, 2 or 4) less one: these bits of a column's number in the whole scan say which
+    /// turn it is of.
+    turn_mask: u16,
+    first_column: u16,
+    columns: u16,
+}
+
+impl Sweep {
+    /// The sweep of a scan by a scanner that is set to `variant`.
+    #[must_use]
+    pub fn of(scan: &Scan<'_>, variant: Variant) -> Self {
+        let (first_quarter, turns) = match scan.partial_quarter() {
+            Some(quarter) => (u16::from(quarter), 1),
+            None => (0, variant.turns()),
+        };
+        Self {
+            first_quarter,
+            step_quarters: 4 / turns,
+            view_quarters: 4 * variant.view_deg(),
+            turn_mask: turns - 1,
+            first_column: scan.first_column(),
+            columns: scan.columns(),
+        }
+    }
+
+    /// Columns in the telegram.
+    #[must_use]
+    pub fn columns(&self) -> u16 {
+        self.columns
+    }
+
+    /// How long before the telegram's start byte this column (0 is its first) was measured, in microseconds. Columns
+    /// beyond the last are extrapolated.
+    #[must_use]
+    pub fn age_us(&self, column: u16) -> f32 {
+        let column = column.saturating_add(self.first_column);
+        let turns_after = f32::from(self.turn_mask - (column & self.turn_mask));
+        let quarter = f32::from(self.first_quarter) + f32::from(column) * f32::from(self.step_quarters);
+        (turns_after + (f32::from(self.view_quarters) - quarter) / 1440.0) * MIRROR_TURN_US
+    }
+
+    /// The mean of [`Sweep::age_us`] over the telegram's columns: the age of the row as a whole.
+    #[must_use]
+    pub fn mean_age_us(&self) -> f32 {
+        let sum = (0..self.columns).fold(0.0, |sum, column| sum + self.age_us(column));
+        sum / f32::from(self.columns.max(1))
+    }
+}
+
+/// Follows the tilt from start byte to start byte.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pairing {
+    before: Option<Latch>,
+    now: Option<Start>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Start {
+    latch: Latch,
+    start_us: u64,
+}
+
+impl Pairing {
+    /// Has seen nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { before: None, now: None }
+    }
+
+    /// A start byte came at `start_us`, and the tilt was read on that occasion: `latch` carries its own time, by the same
+    /// clock; `None` if it could not be read, and then this telegram gets no row. If what began there was no telegram, the
+    /// next call takes its place.
+    pub fn start(&mut self, start_us: u64, latch: Option<Latch>) {
+        self.now = latch.map(|latch| Start { latch, start_us });
+    }
+
+    /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` for the first telegram,
+    /// as long as there are not two latches to take a rate from, or if the two bear the same time.
+    ///
+    /// The shorter way round is taken between two latches, so the tilt must turn by less than half a turn from one telegram
+    /// to the next.
+    pub fn row(&mut self, sweep: Sweep) -> Option<RowTurn> {
+        let Start { latch, start_us } = self.now.take()?;
+        let before = self.before.replace(latch)?;
+        let time_us = latch.time_us.checked_sub(before.time_us).filter(|&time_us| time_us > 0)?;
+        let rate_rad_per_us = shorter_way(latch.turn_rad - before.turn_rad) / time_us as f32;
+        // The latch is a little after the start byte, and the row before it.
+        let latch_age_us = latch.time_us.wrapping_sub(start_us) as i64 as f32;
+        let age_us = sweep.mean_age_us();
+        let turn_rad = latch.turn_rad - rate_rad_per_us * (latch_age_us + age_us);
+        Some(RowTurn { turn_rad, rate_rad_per_us, age_us, sweep })
+    }
+}
+
+/// Turn angles of one row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowTurn {
+    turn_rad: f32,
+    rate_rad_per_us: f32,
+    age_us: f32,
+    sweep: Sweep,
+}
+
+impl RowTurn {
+    /// Turn angle of the row: the mean over its beams, radians.
+    #[must_use]
+    pub fn turn_rad(&self) -> f32 {
+        self.turn_rad
+    }
+
+    /// Speed of the tilt, radians a second.
+    #[must_use]
+    pub fn rate_rad_per_s(&self) -> f32 {
+        self.rate_rad_per_us * 1e6
+    }
+
+    /// By how much the turn angle of this column differs from [`RowTurn::turn_rad`], because the tilt moved on during the
+    /// mirror's sweep and between merged mirror turns. Radians; the mean over the row is 0.
+    #[must_use]
+    pub fn drift_rad(&self, column: u16) -> f32 {
+        self.rate_rad_per_us * (self.age_us - self.sweep.age_us(column))
+    }
+
+    /// Turn angle of this column: that of the row plus the drift, radians.
+    #[must_use]
+    pub fn beam_turn_rad(&self, column: u16) -> f32 {
+        self.turn_rad + self.drift_rad(column)
+    }
+}
+
+/// The same turn within -pi to pi, for differences of at most a few turns.
+fn shorter_way(mut turn_rad: f32) -> f32 {
+    turn_rad %= TAU;
+    if turn_rad > PI {
+        turn_rad -= TAU;
+    } else if turn_rad < -PI {
+        turn_rad += TAU;
+    }
+    turn_rad
+}

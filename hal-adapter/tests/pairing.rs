@@ -1,0 +1,107 @@
+//! When beams were measured, and which turn angle they get.
+
+use scanseg_hal::lms2xx::crc::check_word;
+use scanseg_hal::lms2xx::{Decoder, Event, Variant};
+use scanseg_hal::pairing::{Latch, MIRROR_TURN_US, Pairing, Sweep};
+
+/// The sweep of a scan with this code, what stands before the count word, and this count word.
+fn sweep(head: &[u8], count_word: u16, variant: Variant) -> Sweep {
+    let mut bytes = vec![0x02, 0x80];
+    let length = head.len() as u16 + 2 + 2 * (count_word & 0x3FF) + 1;
+    bytes.extend(length.to_le_bytes());
+    bytes.extend(head);
+    bytes.extend(count_word.to_le_bytes());
+    bytes.resize(4 + usize::from(length) - 1, 0);
+    bytes.push(0x10);
+    bytes.extend(check_word(&bytes).to_le_bytes());
+    let mut decoder = Decoder::new();
+    let begun = decoder.feed(&bytes);
+    let done = decoder.feed(&bytes[begun.used..]);
+    assert_eq!(done.event, Event::Telegram { code: head[0] });
+    Sweep::of(&decoder.telegram().expect("telegram").scan().expect("scan"), variant)
+}
+
+fn close(found: f32, expected: f32) {
+    assert!((found - expected).abs() < 1e-3 * expected.abs().max(1e-3), "{found}, not {expected}");
+}
+
+#[test]
+fn ages() {
+    // One turn: the last beam is new, the first half a turn old, and the row a quarter.
+    let one = sweep(&[0xB0], 181, Variant::Deg180Step1);
+    assert_eq!((one.age_us(180), one.columns()), (0.0, 181));
+    close(one.age_us(0), MIRROR_TURN_US / 2.0);
+    close(one.mean_age_us(), MIRROR_TURN_US / 4.0);
+    // Two turns: even columns are of the first, so one turn older.
+    let two = sweep(&[0xB0], 361, Variant::Deg180Step05);
+    close(two.age_us(360), MIRROR_TURN_US);
+    close(two.age_us(359), MIRROR_TURN_US * 0.5 / 360.0);
+    close(two.age_us(0), MIRROR_TURN_US * 1.5);
+    close(two.mean_age_us(), MIRROR_TURN_US * 0.7514);
+    // Four turns.
+    let four = sweep(&[0xB0], 401, Variant::Deg100Step025);
+    close(four.age_us(400), MIRROR_TURN_US * 3.0);
+    close(four.age_us(397), MIRROR_TURN_US * (2.0 + 0.75 / 360.0));
+    close(four.age_us(399), MIRROR_TURN_US * 0.25 / 360.0);
+    // The half turns of an interlaced scan.
+    let whole_degrees = sweep(&[0xB0], 181 | 0x2000, Variant::Deg180Step05);
+    let half_degrees = sweep(&[0xB0], 180 | 0x2000 | 2 << 11, Variant::Deg180Step05);
+    assert_eq!(whole_degrees.age_us(180), 0.0);
+    close(half_degrees.age_us(179), MIRROR_TURN_US * 0.5 / 360.0);
+    close(half_degrees.age_us(0), MIRROR_TURN_US * 179.5 / 360.0);
+    // A sub-range counts its columns from its own first: here 90 to 99, of which 89 and 90 from zero.
+    let part = sweep(&[0xB7, 90, 0, 99, 0], 10, Variant::Deg180Step05);
+    assert_eq!(part.age_us(0), two.age_us(89));
+    assert_eq!(part.age_us(1), two.age_us(90));
+}
+
+fn latch(turn_rad: f32, time_us: u64) -> Option<Latch> {
+    Some(Latch { turn_rad, time_us })
+}
+
+#[test]
+fn rows() {
+    let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
+    let mut pairing = Pairing::new();
+    assert_eq!(pairing.row(sweep), None, "nothing has begun");
+    pairing.start(1_000_000, latch(1.0, 1_000_100));
+    assert_eq!(pairing.row(sweep), None, "no rate yet");
+    // A false start, and the true one after it.
+    pairing.start(1_010_000, latch(1.3, 1_010_100));
+    pairing.start(1_026_700, latch(1.1, 1_026_800));
+    let row = pairing.row(sweep).expect("row");
+    let rate = 0.1 / 0.0267;
+    close(row.rate_rad_per_s(), rate);
+    // The latch came 100 us after the start byte.
+    let latched_late = 1e-4 * rate;
+    for column in [0, 1, 180, 359, 360] {
+        close(row.beam_turn_rad(column), 1.1 - latched_late - rate * sweep.age_us(column) / 1e6);
+    }
+    let drifts: f32 = (0..361).map(|column| row.drift_rad(column)).sum();
+    assert!(drifts.abs() < 1e-3, "the row's angle is the mean of its beams'");
+    assert_eq!(pairing.row(sweep), None, "each row once");
+    // A telegram was lost: the rate is taken over two periods.
+    pairing.start(1_080_100, latch(1.3, 1_080_200));
+    close(pairing.row(sweep).expect("row").rate_rad_per_s(), 0.2 / 0.0534);
+    // The encoder failed at the true start: that of the false one does not serve.
+    pairing.start(1_090_000, latch(1.3, 1_090_100));
+    pairing.start(1_106_800, None);
+    assert_eq!(pairing.row(sweep), None);
+    // Two latches at one time have no rate, nor has a clock that ran backwards.
+    pairing.start(1_080_100, latch(1.4, 1_080_200));
+    assert_eq!(pairing.row(sweep), None);
+    pairing.start(1_000_000, latch(1.5, 1_000_000));
+    assert_eq!(pairing.row(sweep), None);
+}
+
+#[test]
+fn across_the_seam() {
+    let sweep = sweep(&[0xB0], 181, Variant::Deg180Step1);
+    for (before, now, step) in [(3.1, -3.1, 0.083_185), (-3.1, 3.1, -0.083_185), (6.2, 0.1, 0.183_185)] {
+        let mut pairing = Pairing::new();
+        pairing.start(0, latch(before, 0));
+        pairing.row(sweep);
+        pairing.start(100_000, latch(now, 100_000));
+        close(pairing.row(sweep).expect("row").rate_rad_per_s(), step * 10.0);
+    }
+}

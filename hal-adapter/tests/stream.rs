@@ -1,0 +1,217 @@
+//! Streams of telegrams with junk between them, in pieces of any size.
+
+use proptest::prelude::*;
+use scanseg_hal::lms2xx::crc::check_word;
+use scanseg_hal::lms2xx::{Decoder, Event, ScanFormat, Unit, Variant};
+
+fn frame(payload: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0x02, 0x80];
+    frame.extend((payload.len() as u16).to_le_bytes());
+    frame.extend(payload);
+    frame.extend(check_word(&frame).to_le_bytes());
+    frame
+}
+
+fn scan_payload(head: &[u8], count_word: u16, values: &[u16], index_bytes: &[u8], status: u8) -> Vec<u8> {
+    let mut payload = head.to_vec();
+    payload.extend(count_word.to_le_bytes());
+    payload.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    payload.extend(index_bytes);
+    payload.push(status);
+    payload
+}
+
+fn any_variant() -> impl Strategy<Value = Variant> {
+    use Variant::{Deg100Step1, Deg100Step05, Deg100Step025, Deg180Step1, Deg180Step05};
+    prop::sample::select(vec![Deg100Step1, Deg100Step05, Deg100Step025, Deg180Step1, Deg180Step05])
+}
+
+fn status() -> impl Strategy<Value = u8> {
+    (0u8..=4, 0u8..32).prop_map(|(severity, rest)| severity | rest << 3)
+}
+
+/// Values that often look like the beginning of a telegram.
+fn values(count: usize) -> impl Strategy<Value = Vec<u16>> {
+    prop::collection::vec(
+        prop_oneof![4 => any::<u16>(), 1 => Just(0x8002), 1 => Just(0x0015), 1 => Just(0xB000)],
+        count,
+    )
+}
+
+/// Valid telegrams of every kind.
+fn telegram() -> impl Strategy<Value = Vec<u8>> {
+    let scan = (any_variant(), 0u16..3, any::<prop::sample::Index>(), any::<bool>(), status()).prop_flat_map(
+        |(variant, unit, quarter, partial, status)| {
+            let quarters: Vec<u8> = (0..4).filter(|&quarter| variant.partial_columns(quarter).is_some()).collect();
+            let quarter = *quarter.get(&quarters);
+            let count = if partial { variant.partial_columns(quarter).expect("one") } else { variant.columns() };
+            let bits = if partial { 0x2000 | u16::from(quarter) << 11 } else { 0 };
+            let room = if count == 401 { 0 } else { 2 };
+            (values(count.into()), prop::collection::vec(any::<u8>(), 0..=room)).prop_map(
+                move |(values, index_bytes)| {
+                    frame(&scan_payload(&[0xB0], count | bits | unit << 14, &values, &index_bytes, status))
+                },
+            )
+        },
+    );
+    let sub_range = (1u16..=361, 0u16..40, status()).prop_flat_map(|(first, more, status)| {
+        let last = (first + more).min(361);
+        let mut head = vec![0xB7];
+        head.extend(first.to_le_bytes());
+        head.extend(last.to_le_bytes());
+        let count = last - first + 1;
+        values(count.into()).prop_map(move |values| frame(&scan_payload(&head, count | 1 << 14, &values, &[], status)))
+    });
+    let other =
+        (0x80u8..=0xFF, prop::collection::vec(any::<u8>(), 0..160), status()).prop_map(|(code, data, status)| {
+            let code = if matches!(code, 0xB0 | 0xB7) { 0xA0 } else { code };
+            frame(&[&[code][..], &data, &[status]].concat())
+        });
+    prop_oneof![3 => scan, 1 => sub_range, 2 => other]
+}
+
+/// Bytes between telegrams: anything, and often what looks like a telegram.
+fn junk() -> impl Strategy<Value = Vec<u8>> {
+    prop_oneof![
+        2 => Just(vec![]),
+        2 => prop::collection::vec(any::<u8>(), 0..40),
+        2 => prop::collection::vec(prop::sample::select(vec![0x02u8, 0x80, 0x06, 0x15, 0xB0, 0x03]), 0..40),
+        // A header that claims more than follows, so that it swallows what comes after it.
+        2 => (2u16..=806, 0x80u8..).prop_map(|(length, code)| {
+            let [low, high] = length.to_le_bytes();
+            vec![0x02, 0x80, low, high, code]
+        }),
+        // A telegram cut off.
+        1 => (telegram(), any::<prop::sample::Index>()).prop_map(|(mut telegram, end)| {
+            telegram.truncate(end.index(telegram.len()));
+            telegram
+        }),
+        // A telegram with one bit flipped.
+        1 => (telegram(), any::<prop::sample::Index>(), 0..8).prop_map(|(mut telegram, at, bit)| {
+            let at = at.index(telegram.len());
+            telegram[at] ^= 1u8 << bit;
+            telegram
+        }),
+    ]
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Seen {
+    Event(Event),
+    /// Code, data, status.
+    Telegram(u8, Vec<u8>, u8),
+}
+
+/// Everything that comes out, fed in pieces of these sizes over and over; at the end the line falls silent.
+fn decode(bytes: &[u8], pieces: &[usize]) -> Vec<Seen> {
+    let mut decoder = Decoder::new();
+    let mut seen = Vec::new();
+    let mut sizes = pieces.iter().cycle();
+    let mut rest = bytes;
+    let mut drain = |decoder: &mut Decoder, mut piece: &[u8]| {
+        loop {
+            let fed = decoder.feed(piece);
+            piece = &piece[fed.used..];
+            match fed.event {
+                Event::NeedMore => {
+                    assert!(piece.is_empty());
+                    return;
+                }
+                Event::Telegram { code } => {
+                    let telegram = decoder.telegram().expect("telegram");
+                    assert_eq!(telegram.code(), code);
+                    seen.push(Seen::Telegram(code, telegram.data().to_vec(), telegram.status().0));
+                }
+                event => seen.push(Seen::Event(event)),
+            }
+        }
+    };
+    while !rest.is_empty() {
+        let (piece, after) = rest.split_at((*sizes.next().expect("a size")).min(rest.len()));
+        drain(&mut decoder, piece);
+        rest = after;
+    }
+    while decoder.expire().is_some() {
+        drain(&mut decoder, &[]);
+    }
+    seen
+}
+
+fn telegrams(seen: &[Seen]) -> Vec<Vec<u8>> {
+    seen.iter()
+        .filter_map(|seen| match seen {
+            Seen::Telegram(code, data, status) => Some(frame(&[&[*code][..], data, &[*status]].concat())),
+            Seen::Event(_) => None,
+        })
+        .collect()
+}
+
+/// `Start` tells its distance from the last byte used: where it is in the stream must not depend on the pieces.
+fn stream() -> impl Strategy<Value = (Vec<Vec<u8>>, Vec<u8>)> {
+    prop::collection::vec((junk(), telegram()), 1..5).prop_map(|parts| {
+        let bytes = parts.iter().flat_map(|(junk, telegram)| junk.iter().chain(telegram)).copied().collect();
+        (parts.into_iter().map(|(_, telegram)| telegram).collect(), bytes)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn pieces_do_not_matter((_, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
+        let whole = decode(&bytes, &[bytes.len()]);
+        prop_assert_eq!(&decode(&bytes, &pieces), &whole);
+        prop_assert_eq!(&decode(&bytes, &[1]), &whole);
+    }
+
+    /// Junk can hide a telegram only by being, with the telegram's first bytes, a good telegram itself.
+    #[test]
+    fn no_good_telegram_is_lost((sent, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
+        let found = telegrams(&decode(&bytes, &pieces));
+        let mut after = found.iter();
+        for telegram in &sent {
+            prop_assert!(after.any(|found| found == telegram), "lost one of {} bytes", telegram.len());
+        }
+    }
+
+    #[test]
+    fn anything_at_all(bytes in prop::collection::vec(any::<u8>(), 0..3000)) {
+        decode(&bytes, &[7, 64, 1]);
+    }
+
+    #[test]
+    fn scans_read_back(variant in any_variant(), unit in 0u16..3, words in values(401), status in status()) {
+        let words = &words[..variant.columns().into()];
+        let bytes = frame(&scan_payload(&[0xB0], variant.columns() | unit << 14, words, &[], status));
+        let unit = [Unit::Centimetre, Unit::Millimetre, Unit::Decimetre][usize::from(unit)];
+        let mut decoder = Decoder::new();
+        decoder.expect_scans(Some(ScanFormat { variant, unit, interlaced: false }));
+        let first = decoder.feed(&bytes);
+        prop_assert_eq!((first.used, first.event), (1, Event::Start { bytes_ago: 0 }));
+        let second = decoder.feed(&bytes[1..]);
+        prop_assert_eq!((second.used, second.event), (bytes.len() - 1, Event::Telegram { code: 0xB0 }));
+        let scan = decoder.telegram().expect("telegram").scan().expect("scan");
+        prop_assert_eq!((scan.unit(), scan.status().0), (unit, status));
+        prop_assert_eq!(scan.words().collect::<Vec<_>>(), words);
+    }
+}
+
+/// Two whole telegrams within the claimed length of a false one both come out, and the starts are told with their distance.
+#[test]
+fn telegrams_inside_a_false_one() {
+    let inner = [frame(&[0xA0, 0x00, 0x10]), frame(&[0xBB, 0x01, 0x10])].concat();
+    let mut bytes = vec![0x02, 0x80, inner.len() as u8 + 1, 0x00, 0xA5];
+    bytes.extend(&inner);
+    bytes.extend([0, 0]);
+    let seen = decode(&bytes, &[bytes.len()]);
+    let events: Vec<_> = seen
+        .iter()
+        .map(|seen| match seen {
+            Seen::Event(Event::Start { bytes_ago }) => format!("start {bytes_ago} ago"),
+            Seen::Event(Event::Rejected(_)) => "rejected".into(),
+            Seen::Event(event) => format!("{event:?}"),
+            Seen::Telegram(code, ..) => format!("{code:02X}"),
+        })
+        .collect();
+    assert_eq!(events, ["start 0 ago", "rejected", "start 19 ago", "A0", "start 10 ago", "BB"]);
+}

@@ -1,0 +1,278 @@
+//! The blocking and the async scanner on a simulated port.
+
+use core::cell::RefCell;
+use core::convert::Infallible;
+use core::future::{Future, poll_fn};
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use scanseg_hal::lms2xx::{Baud, Error, MeasuringMode, Phase, ScannerEvent, Settings, Trouble, Unit, Variant};
+use scanseg_hal::lms2xx::{asynch, blocking};
+use scanseg_sim::virtual_rig::{Beam, VirtualLms};
+
+const SETTINGS: Settings = Settings {
+    baud: Baud::B500000,
+    variant: Variant::Deg180Step05,
+    unit: Unit::Millimetre,
+    mode: MeasuringMode::Range32Field,
+    interlaced: true,
+};
+
+/// Scanner, port and clock. Looking at the clock or the port takes 2 us.
+struct World {
+    lms: VirtualLms,
+    now_us: u64,
+    baud: Baud,
+    received: VecDeque<u8>,
+    ended: bool,
+}
+
+#[derive(Clone)]
+struct Wire(Rc<RefCell<World>>);
+
+impl Wire {
+    fn new() -> Self {
+        let lms =
+            VirtualLms::new(|beam: Beam| 2000 + beam.bearing_deg as u16).running(Baud::B9600, Variant::Deg100Step1);
+        let world = World { lms, now_us: 0, baud: Baud::B38400, received: VecDeque::new(), ended: false };
+        Self(Rc::new(RefCell::new(world)))
+    }
+
+    fn clock(&self) -> impl FnMut() -> u64 + use<> {
+        let wire = self.clone();
+        move || wire.pass(2)
+    }
+
+    fn pass(&self, us: u64) -> u64 {
+        let world = &mut *self.0.borrow_mut();
+        world.now_us += us;
+        let bytes = world.lms.read(world.now_us, world.baud);
+        world.received.extend(bytes);
+        world.now_us
+    }
+
+    fn ready(&self) -> bool {
+        self.pass(2);
+        let world = self.0.borrow();
+        !world.received.is_empty() || world.ended
+    }
+
+    fn take(&self, buffer: &mut [u8]) -> usize {
+        let received = &mut self.0.borrow_mut().received;
+        let count = buffer.len().min(received.len());
+        for (to, byte) in buffer.iter_mut().zip(received.drain(..count)) {
+            *to = byte;
+        }
+        count
+    }
+
+    fn put(&self, bytes: &[u8]) -> usize {
+        let world = &mut *self.0.borrow_mut();
+        world.now_us = world.lms.write(world.now_us, bytes, world.baud);
+        bytes.len()
+    }
+
+    fn set_baud(&self, baud: Baud) {
+        self.pass(1);
+        let world = &mut *self.0.borrow_mut();
+        world.baud = baud;
+        world.received.clear();
+    }
+}
+
+impl embedded_io::ErrorType for Wire {
+    type Error = Infallible;
+}
+
+impl embedded_io::Read for Wire {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        assert!(self.ready(), "a blocking read that nothing would end");
+        Ok(self.take(buffer))
+    }
+}
+
+impl embedded_io::ReadReady for Wire {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(self.ready())
+    }
+}
+
+impl embedded_io::Write for Wire {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        Ok(self.put(bytes))
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+impl blocking::Port for Wire {
+    fn set_baud(&mut self, baud: Baud) -> Result<(), Infallible> {
+        Wire::set_baud(self, baud);
+        Ok(())
+    }
+}
+
+impl embedded_hal::delay::DelayNs for Wire {
+    fn delay_ns(&mut self, ns: u32) {
+        self.pass(u64::from(ns).div_ceil(1000));
+    }
+}
+
+impl embedded_io_async::Read for Wire {
+    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        poll_fn(|_| if self.ready() { Poll::Ready(Ok(self.take(buffer))) } else { Poll::Pending }).await
+    }
+}
+
+impl embedded_io_async::Write for Wire {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        Ok(self.put(bytes))
+    }
+
+    async fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+impl asynch::Port for Wire {
+    fn set_baud(&mut self, baud: Baud) -> Result<(), Infallible> {
+        Wire::set_baud(self, baud);
+        Ok(())
+    }
+}
+
+impl embedded_hal_async::delay::DelayNs for Wire {
+    async fn delay_ns(&mut self, ns: u32) {
+        let until_us = self.pass(0) + u64::from(ns).div_ceil(1000);
+        poll_fn(|_| if self.pass(2) >= until_us { Poll::Ready(()) } else { Poll::Pending }).await;
+    }
+}
+
+/// Runs to the end, or gives up after so many polls.
+fn run<T>(future: impl Future<Output = T>, polls: u32) -> Option<T> {
+    let mut future = pin!(future);
+    let mut context = Context::from_waker(Waker::noop());
+    for _ in 0..polls {
+        if let Poll::Ready(result) = future.as_mut().poll(&mut context) {
+            return Some(result);
+        }
+    }
+    None
+}
+
+/// What happened, boiled down; both shells must show the same.
+#[derive(Default)]
+struct Log {
+    scans: u32,
+    /// Starts since the last scan, and when the last was.
+    starts: u32,
+    start_us: u64,
+    troubles: Vec<Trouble>,
+}
+
+impl Log {
+    fn add(&mut self, event: ScannerEvent, scan: Option<scanseg_hal::lms2xx::Scan<'_>>) {
+        match event {
+            ScannerEvent::Start { time_us } => {
+                self.starts += 1;
+                // The start byte ends 20 us after the end of a mirror turn; the port is asked now and then.
+                let after_turn = time_us % 40_000 % 13_333;
+                assert!((15..60).contains(&after_turn), "start at {time_us}, {after_turn} us after the turn");
+                assert!(self.start_us == 0 || time_us - self.start_us < 13_400);
+                self.start_us = time_us;
+            }
+            ScannerEvent::Scan => {
+                assert_eq!(core::mem::take(&mut self.starts), 1, "each scan has its start");
+                let scan = scan.expect("scan");
+                let quarter = scan.partial_quarter().expect("interlaced");
+                assert_eq!(scan.columns(), if quarter == 0 { 181 } else { 180 });
+                assert!(scan.words().eq((0..scan.columns()).map(|column| 2000 + column)));
+                self.scans += 1;
+            }
+            ScannerEvent::Rejected(error) => panic!("{error}"),
+            ScannerEvent::Trouble(trouble) => self.troubles.push(trouble),
+        }
+    }
+}
+
+#[test]
+fn blocking_scanner() {
+    let wire = Wire::new();
+    let mut scanner = blocking::Scanner::new(wire.clone(), wire.clock(), wire.clone(), SETTINGS);
+    let mut log = Log::default();
+    while log.scans < 100 {
+        let event = scanner.next_event().expect("port");
+        log.add(event, scanner.scan());
+    }
+    assert_eq!((log.troubles.len(), scanner.phase()), (0, Phase::Running));
+
+    // Taken apart and put together again it finds the scanner where it was left.
+    let (port, clock, delay) = scanner.release();
+    let mut scanner = blocking::Scanner::new(port, clock, delay, SETTINGS);
+    let mut log = Log::default();
+    while log.scans < 100 {
+        let event = scanner.next_event().expect("port");
+        log.add(event, scanner.scan());
+        // Meanwhile the next scan begins and some twenty bytes come: the time of its start must not suffer.
+        if event == ScannerEvent::Scan {
+            wire.pass(6300);
+        }
+    }
+    assert_eq!(wire.0.borrow().lms.eeprom_writes, 1);
+
+    wire.0.borrow_mut().ended = true;
+    loop {
+        match scanner.next_event() {
+            Ok(_) => {}
+            Err(error) => {
+                assert_eq!(error, Error::Ended);
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn nobody_on_the_port() {
+    let wire = Wire::new();
+    wire.0.borrow_mut().lms.wires.faults.drop_one_in = 1;
+    let mut scanner = blocking::Scanner::new(wire.clone(), wire.clock(), wire.clone(), SETTINGS);
+    assert_eq!(scanner.next_event(), Ok(ScannerEvent::Trouble(Trouble::NotFound)));
+    assert!(wire.pass(0) < 10_000_000, "the call must return within seconds");
+}
+
+#[test]
+fn async_scanner() {
+    let wire = Wire::new();
+    let mut scanner = asynch::Scanner::new(wire.clone(), wire.clock(), wire.clone(), SETTINGS);
+    let mut log = Log::default();
+    while log.scans < 100 {
+        let event = run(scanner.next_event(), u32::MAX).expect("event").expect("port");
+        log.add(event, scanner.scan());
+    }
+    assert_eq!(log.troubles, []);
+    let (port, clock, delay) = scanner.release();
+    let mut scanner = asynch::Scanner::new(port, clock, delay, SETTINGS);
+    run(scanner.next_event(), u32::MAX).expect("event").expect("port");
+}
+
+/// The future is dropped over and over, in the midst of commands and scans: nothing is lost either way.
+#[test]
+fn async_scanner_cancelled() {
+    let wire = Wire::new();
+    let mut scanner = asynch::Scanner::new(wire.clone(), wire.clock(), wire.clone(), SETTINGS);
+    let mut log = Log::default();
+    let mut cancelled = 0u32;
+    while log.scans < 100 {
+        match run(scanner.next_event(), 1 + cancelled % 97) {
+            Some(event) => log.add(event.expect("port"), scanner.scan()),
+            None => cancelled += 1,
+        }
+    }
+    assert!(cancelled > 1000);
+    assert_eq!(log.troubles, []);
+}
