@@ -12,14 +12,13 @@ const CONFIG: Config = Config::paper();
 const EVEN: Columns = Columns::Even { start_rad: -0.5, step_rad: 0.01 };
 const BEAMS: Beams = Beams::Nodding { columns: EVEN, axis: TurnAxis::Y };
 
-/// A scanner of 0.5 deg steps over 180 deg in 24 KiB, one of 1 deg steps in 12 KiB, all told, on a 32-bit processor. With
-/// longer pointers the segmenter itself is larger: it holds some 36 pointers and lengths.
+/// A scanner of 0.5 deg steps over 180 deg in 24 KiB, one of 1 deg steps in 12 KiB, all told: the slices and the segmenter
+/// itself, which is larger here than with the shorter pointers of a microcontroller.
 #[test]
 fn fits_small_microcontrollers() {
-    let longer = 36 * (size_of::<usize>() - 4);
     for (columns, kib) in [(361, 24), (181, 12)] {
-        let bytes = Sizes::of(columns, &CONFIG).bytes() + size_of::<EdgeSegmenter>() - longer;
-        println!("{columns} columns: {bytes} bytes, without {longer} for longer pointers");
+        let bytes = Sizes::of(columns, &CONFIG).bytes() + size_of::<EdgeSegmenter>();
+        println!("{columns} columns: {bytes} bytes");
         assert!(bytes <= kib * 1024, "{columns} columns: {bytes} bytes");
     }
 }
@@ -34,7 +33,12 @@ fn bytes_of_the_slices() {
             let Room { ranges, bearings, words, areas } = Room::new(columns, &config, sizes.areas);
             let bytes = size_of_val(&*ranges) + size_of_val(&*bearings) + size_of_val(&*words) + size_of_val(&*areas);
             assert_eq!(sizes.bytes(), bytes);
-            assert!(bytes <= columns * (8 + 28 + 2 * 6 + 84 / 2 + 3) + 200, "{columns} columns: {bytes} bytes");
+            // rows of bearing angles are whole chunks of 32 columns and two columns more
+            let padding = 33 * 4 * config.traces.len();
+            assert!(
+                bytes <= columns * (8 + 28 + 2 * 6 + 84 / 2 + 3) + 200 + padding,
+                "{columns} columns: {bytes} bytes"
+            );
         }
     }
 }
