@@ -301,8 +301,11 @@ impl<'a> EdgeSegmenter<'a> {
             if from + CHUNK < columns {
                 next_steps = bearings.chunk(chunk + 1, &mut next);
                 below[CHUNK + 1] = next[0];
-            } else if wraps {
-                below[last - from + 2] = first;
+            } else {
+                below[CHUNK + 1] = 0;
+                if wraps {
+                    below[last - from + 2] = first;
+                }
             }
             let halo =
                 |row: &[u16]| row.get(from..).and_then(|row| row.first_chunk().copied()).unwrap_or([0; CHUNK + 2]);
