@@ -44,3 +44,8 @@ pub use label::{Area, live_labels};
 pub use memory::{Buffers, Memory, Sizes};
 pub use plane::{Moments, Plane};
 pub use segmenter::{EdgeSegmenter, Finished, LATENCY_ROWS, MAX_COLUMNS, MAX_ROWS, Status};
+
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
