@@ -411,21 +411,61 @@ fn bearing_angles_are_those_of_another_program() {
     }
 }
 
+/// Planes that a person finds in the pictures and that a wrong geometry would bend or break: pixels at least, the normal
+/// (to 3 deg) and the distance in metres (to 5 %) of some segment. The baseline of four pixels is for the scanners' noise.
 #[test]
 fn recorded_scans_are_segmented() {
-    let scans = [
-        ("tilting-sick-corridor", "scan000.range_mm.pgm"),
-        ("office-room-scan", "room_scan1.range_mm.pgm"),
-        ("ouster-os0", "range.pgm"),
+    type Seen = (f64, [f64; 3], f64);
+    let scans: [(&str, &str, &str, &[Seen]); 5] = [
+        // a side wall and the floor
+        (
+            "tilting-sick-corridor",
+            "scan000.range_mm.pgm",
+            "row*4,column*4",
+            &[(5000.0, [0.0, 1.0, 0.0], 0.978), (3000.0, [0.057, 0.0, 0.998], 0.365)],
+        ),
+        (
+            "tilting-sick-corridor",
+            "scan001.range_mm.pgm",
+            "row*4,column*4",
+            &[(5000.0, [0.0, 1.0, 0.0], 0.967), (3000.0, [0.0, 0.0, 1.0], 0.370)],
+        ),
+        // the ceiling and a wall
+        (
+            "office-room-scan",
+            "room_scan1.range_mm.pgm",
+            "row*4,column*4",
+            &[(8000.0, [0.0, 0.0, -1.0], 1.660), (2000.0, [0.0, 1.0, 0.0], 1.465)],
+        ),
+        // facades to either side of the street
+        (
+            "ouster-os0",
+            "range.pgm",
+            "row,column",
+            &[(800.0, [-0.190, -0.982, 0.0], 8.42), (300.0, [0.190, 0.982, 0.0], 10.9)],
+        ),
+        // far from the camera its depth comes in steps: slices of a wall parallel to the image
+        ("office1-kinect", "office1.depth_mm.pgm", "row,column", &[(2000.0, [-1.0, 0.0, 0.0], 5.05)]),
     ];
-    for (set, scan) in scans {
-        let Some(data) = recorded(set) else { return };
-        let folder = folder(set);
+    for (set, scan, traces, seen) in scans {
+        let Some(data) = recorded(set) else { continue };
+        let folder = folder(scan);
         let (scan, geometry) = (data.join(scan), data.join("geometry.toml"));
-        succeeds(&folder, &format!("segment {} --geometry {} --out .", scan.display(), geometry.display()));
-        let header = json(folder.join("segments.json"))["header"].clone();
+        let options = format!("--geometry {} --out . --traces {traces}", geometry.display());
+        succeeds(&folder, &format!("segment {} {options}", scan.display()));
+        let file = json(folder.join("segments.json"));
+        let header = &file["header"];
         let parts = ["edge_pixels", "segment_pixels", "unlabelled_pixels"].map(|key| header[key].as_u64().unwrap());
         assert_eq!(Some(parts.iter().sum()), header["returns"].as_u64(), "{set}: every return is one of three");
-        assert!(header["segments_listed"].as_u64() > Some(10), "{set}: {header}");
+        for (pixels, normal, distance_m) in seen {
+            let found = file["segments"].as_array().unwrap().iter().any(|segment| {
+                let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+                let along: f64 = (0..3).map(|i| number(&segment["normal"][i]) * normal[i]).sum();
+                number(&segment["pixels"]) >= *pixels
+                    && along > 3f64.to_radians().cos()
+                    && (number(&segment["distance_m"]) / distance_m - 1.0).abs() < 0.05
+            });
+            assert!(found, "{set}: no plane of {pixels} pixels, normal {normal:?}, {distance_m} m away");
+        }
     }
 }

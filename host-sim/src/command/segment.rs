@@ -66,8 +66,13 @@ pub fn segment(
     let started = Instant::now();
     let segmentation = run(config)?;
     let seconds = started.elapsed().as_secs_f64();
-    let edges_rows = run(&Config { traces: &[Trace::ROW], ..*config })?.edges;
-    let edges_columns = run(&Config { traces: &[Trace::COLUMN], ..*config })?.edges;
+    // the traces of the configuration along rows and along columns, those between neighbours if it has none
+    let traces = |usual: Trace, along: fn(&Trace) -> bool| {
+        let some: Vec<Trace> = config.traces.iter().copied().filter(along).collect();
+        if some.is_empty() { vec![usual] } else { some }
+    };
+    let edges_rows = run(&Config { traces: &traces(Trace::ROW, |t| t.rows == 0), ..*config })?.edges;
+    let edges_columns = run(&Config { traces: &traces(Trace::COLUMN, |t| t.columns == 0), ..*config })?.edges;
     bar.finish_and_clear();
 
     let listed = segmentation.of_pixels(output.min_pixels);
