@@ -237,12 +237,10 @@ impl<'a> EdgeSegmenter<'a> {
     }
 
     fn drain(&mut self, sink: &mut impl Sink) -> ControlFlow<()> {
+        for index in 0..self.config.traces.len() {
+            self.trace_row(index, self.rows, None);
+        }
         for row in self.rows..self.rows + LATENCY_ROWS {
-            if row == self.rows {
-                for index in 0..self.config.traces.len() {
-                    self.trace_row(index, row, None);
-                }
-            }
             self.decide(row, sink)?;
         }
         self.labels.finish(sink)
@@ -334,7 +332,7 @@ impl<'a> EdgeSegmenter<'a> {
     fn decide<S: Sink>(&mut self, row: usize, sink: &mut S) -> ControlFlow<(), Option<u32>> {
         let columns = self.shape.columns;
         let rows = self.rows;
-        let BitRows { edges, dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
+        let BitRows { edges, dilated, .. } = BitRows::of(self.bits, columns);
         if let Some(edge) = row.checked_sub(1).filter(|&edge| edge < rows) {
             sink.edges(&EdgeRow { row: edge, columns, words: edges[edge % 3] })?;
         }
@@ -348,20 +346,18 @@ impl<'a> EdgeSegmenter<'a> {
         if done >= rows {
             return ControlFlow::Continue(None);
         }
+        let (ranges, frame) = (&self.ranges[self.stored(done)], self.fan.frame(self.beam(done)));
+        let BitRows { dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
         let (even, odd) = areas.split_at_mut(1);
         let (current, before) =
             if done.is_multiple_of(2) { (&mut *even[0], &*odd[0]) } else { (&mut *odd[0], &*even[0]) };
         let above = within(done.checked_sub(1)).map(|i| &*dilated[i]);
         let below = within(Some(done + 1)).map(|i| &*dilated[i]);
         self.shape.erode(above, &*dilated[done % 3], below, current);
-        let stored = done % (self.ranges.len() / columns) * columns;
-        let ranges = &self.ranges[stored..stored + columns];
         for (chunk, (area, returns)) in current.iter_mut().zip(returns.iter_mut()).enumerate() {
             *returns = pack(&load(ranges, chunk * CHUNK, &mut [0.0; CHUNK]).map(|range_m| range_m > 0.0));
             *area = !*area & *returns;
         }
-        let at = RowBeam { row: done, turn_rad: self.turns_rad[done % self.turns_rad.len()] };
-        let frame = self.fan.frame(at);
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let moments = |run| points.moments(run);
         let unlabelled = self.labels.label_row(done, before, current, &self.shape, moments, sink)?;

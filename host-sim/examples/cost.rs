@@ -8,9 +8,10 @@
 use std::ops::ControlFlow;
 use std::{env, error, fs};
 
-use scanseg_core::{Area, Beams, Columns, Config, EdgeSegmenter, LabelRow, Memory, Segment, Sink, Sizes, TurnAxis};
+use scanseg_core::{Beams, Columns, Config, EdgeSegmenter, LabelRow, Segment, Sink, TurnAxis};
 use scanseg_sim::format::geometry::{Angles, Kind};
 use scanseg_sim::office::{Scene, Sensor, Set};
+use scanseg_sim::segmentation::OwnedMemory;
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let args: Vec<String> = env::args().skip(1).collect();
@@ -80,11 +81,8 @@ fn run(file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error
         _ => Beams::Spinning { columns: beam, wraps: false },
     };
     let config = Config::paper();
-    let sizes = Sizes::of(columns, &config);
-    let (mut ranges, mut bearings) = (vec![0.0; sizes.ranges], vec![0; sizes.bearings]);
-    let (mut words, mut areas) = (vec![0; sizes.words], vec![Area::EMPTY; sizes.areas]);
-    let memory = Memory { ranges: &mut ranges, bearings: &mut bearings, words: &mut words, areas: &mut areas };
-    let mut segmenter = EdgeSegmenter::new(config, beams, columns, memory)?;
+    let mut memory = OwnedMemory::new(columns, &config, None);
+    let mut segmenter = EdgeSegmenter::new(config, beams, columns, memory.memory())?;
     let mut found = Found::default();
     for _ in 0..repeat {
         found = Found::default();
