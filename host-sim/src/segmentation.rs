@@ -119,6 +119,16 @@ impl OwnedMemory {
     }
 }
 
+/// Which of the paper's two approaches segments a scan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Approach {
+    /// By edges in bearing-angle images.
+    #[default]
+    Edge,
+    /// By growing regions from the lines of each row.
+    Region,
+}
+
 /// All that the segmentation of a scan gives.
 #[derive(Clone, Debug)]
 pub struct Segmentation {
@@ -147,11 +157,16 @@ impl Segmentation {
     pub fn of(
         scan: &RangeImage,
         geometry: &Geometry,
+        approach: Approach,
         config: &Config<'_>,
         max_labels: Option<usize>,
         mut row_done: impl FnMut(),
     ) -> Result<Segmentation, SegmentationError> {
         check_size(scan)?;
+        match approach {
+            // both alike until there is a region-based segmenter
+            Approach::Edge | Approach::Region => {}
+        }
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
         let mut segmenter = EdgeSegmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
@@ -382,7 +397,8 @@ mod tests {
         }
         let scan = RangeImage { rows, columns, range_m };
         let mut rows_done = 0;
-        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || rows_done += 1).unwrap();
+        let done =
+            Segmentation::of(&scan, &camera(), Approach::Edge, &Config::paper(), None, || rows_done += 1).unwrap();
         assert_eq!((done.segments.len(), rows_done, done.unlabelled), (1, rows, 0));
         let expected: Vec<u32> = scan.range_m.iter().map(|&m| u32::from(m > 0.0)).collect();
         assert_eq!(done.labels, expected);
@@ -397,7 +413,7 @@ mod tests {
         let lengths = [1, 0, 3, 0, 3, 0, 2];
         let range_m = (0..rows * columns).map(|i| if i / columns < lengths[i % columns] { 2.0 } else { 0.0 }).collect();
         let scan = RangeImage { rows, columns, range_m };
-        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || {}).unwrap();
+        let done = Segmentation::of(&scan, &camera(), Approach::Edge, &Config::paper(), None, || {}).unwrap();
         let found: Vec<_> = done.segments.iter().map(|s| (s.pixels(), s.first_column)).collect();
         assert_eq!(found, [(3, 2), (3, 4), (2, 6), (1, 0)]);
         assert_eq!(done.numbers(2)[..columns], [0, 0, 1, 0, 2, 0, 3]);
@@ -408,7 +424,7 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         let image = |rows, columns| RangeImage { rows, columns, range_m: vec![1.0; rows * columns] };
         let run = |scan: &RangeImage, geometry: &Geometry| {
-            Segmentation::of(scan, geometry, &Config::paper(), None, || {}).map(|_| ()).unwrap_err()
+            Segmentation::of(scan, geometry, Approach::Edge, &Config::paper(), None, || {}).map(|_| ()).unwrap_err()
         };
         let wide = run(&image(1, MAX_COLUMNS + 1), &camera());
         assert_eq!(wide, SegmentationError::Size { rows: 1, columns: MAX_COLUMNS + 1 });

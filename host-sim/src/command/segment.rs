@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use scanseg_core::{Config, Trace};
 use scanseg_sim::format::GreyImage;
 use scanseg_sim::overview::{Images, overview};
-use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
+use scanseg_sim::segmentation::{Approach, Segmentation, SegmentationError, bearing_image};
 
 use super::lists::{Entry, Header, Listing};
 use super::options::{Options, in_terms_of_options};
@@ -60,7 +60,7 @@ pub fn segment(
     let (rows, columns) = (scan.ranges.rows, scan.ranges.columns);
     let bar = if rows * columns > LONG_SCAN { bar(3 * rows) } else { ProgressBar::hidden() };
     let run = |config: &Config<'_>| {
-        Segmentation::of(&scan.ranges, &scan.geometry, config, max_labels, || bar.inc(1))
+        Segmentation::of(&scan.ranges, &scan.geometry, Approach::Edge, config, max_labels, || bar.inc(1))
             .map_err(|e| in_terms_of_options(&scan.name, e))
     };
     let started = Instant::now();
