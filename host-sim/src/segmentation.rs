@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use scanseg_core::{
     Area, Beams, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS,
-    Memory, Pixel, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
+    Memory, Pixel, PlaneSegmenter, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
 };
 
 use crate::format::{self, Angles, Geometry, GeometryError, Kind, RangeImage};
@@ -119,11 +119,13 @@ impl OwnedMemory {
     }
 }
 
-/// Which of the paper's two approaches segments a scan.
+/// What segments a scan: the default, or one of the paper's two approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Approach {
-    /// By edges in bearing-angle images.
+    /// By planes that go on from row to row.
     #[default]
+    Plane,
+    /// By edges in bearing-angle images.
     Edge,
     /// By growing regions from the lines of each row.
     Region,
@@ -185,6 +187,7 @@ impl Segmentation {
             }};
         }
         let finished = match approach {
+            Approach::Plane => run!(PlaneSegmenter),
             Approach::Edge => run!(EdgeSegmenter),
             Approach::Region => run!(RegionSegmenter),
         };
@@ -281,10 +284,12 @@ impl Sink for Collected {
         let known = self.joined_into.len() as u32;
         self.joined_into.extend(known..=join.from.0.max(known.saturating_sub(1)));
         self.joined_into[join.from.0 as usize] = join.into.0;
+        self.segments.retain(|segment| segment.label != join.from);
         ControlFlow::Continue(())
     }
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        self.segments.retain(|known| known.label != segment.label);
         self.segments.push(*segment);
         ControlFlow::Continue(())
     }
