@@ -22,13 +22,13 @@ use crate::plane::{Moments, exact_points};
 const CHANCE: f64 = 20.0;
 
 /// And for each point of the smaller area: surfaces are not quite flat, and noise is not quite what it is said to be.
-const UNEVEN: f64 = 0.2;
+const UNEVEN: f64 = 0.1;
 
 /// Excess over the noise at which an area still lies near a plane.
 const BENT: f64 = 0.1;
 
 /// Variances of the turn angle by which a surface may be bent.
-const WOBBLE: f64 = 10.0;
+const WOBBLE: f64 = 4.0;
 
 /// Areas with fewer points join no other one across a gap.
 const GAP_POINTS: u32 = 20;
@@ -264,8 +264,7 @@ impl<'a> Surfaces<'a> {
                 let candidate = *self.state(other) != FREE
                     && other != slot
                     && self.is_root(other)
-                    && self.get(other).points >= GAP_POINTS
-                    && self.last_row(other) > self.get(other).first_row;
+                    && self.get(other).points >= GAP_POINTS;
                 if candidate && self.try_join(slot, other, noise, sink)? {
                     slot = self.root(slot);
                 }
