@@ -11,10 +11,10 @@ use crate::scanline::Scanline;
 use crate::surface::{NONE, Surfaces};
 
 /// Squared error at which a pixel lies on no plane, in units of the noise: 3.2 standard deviations.
-const OFF: f32 = 10.0;
+const OFF: f32 = 12.0;
 
 /// Price of a pixel that has left, and price of leaving.
-const LEFT: f32 = 2.5;
+const LEFT: f32 = 3.0;
 const LEAVE: f32 = 12.0;
 
 /// Variance of the direction of a beam, rad^2: 0.02 deg. It tells where a surface is seen at a grazing angle.
@@ -22,6 +22,8 @@ const BEAM_RAD2: f32 = 1.2e-7;
 
 /// Surfaces seen at less than 4 deg are taken for seen at 4 deg.
 const MAX_TAN_SQUARE: f32 = 200.0;
+
+const MOST: f32 = 9.0;
 
 /// What stands for no plane at all.
 const FAR: f32 = 1e6;
@@ -67,7 +69,8 @@ pub(crate) fn follow(
                 let slope = range_m * range_m * along;
                 // r tan(incidence), squared
                 let graze = range_m * range_m * (range_m * range_m * steep - 1.0).clamp(0.0, MAX_TAN_SQUARE);
-                let variance_m2 = noise.range_m2 + slope * slope * noise.turn_rad2 + graze * BEAM_RAD2;
+                let variance_m2 =
+                    noise.range_m2 + (slope * slope * noise.turn_rad2).min(MOST * noise.range_m2) + graze * BEAM_RAD2;
                 let square = error * error / variance_m2;
                 let square = if q > 0.05 { square } else { FAR };
                 let better = square < errors[i];

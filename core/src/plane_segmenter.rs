@@ -83,12 +83,8 @@ impl<'a> PlaneSegmenter<'a> {
         let areas = memory.areas.len().min(live_labels(columns));
         let (planes, scratch) = memory.ranges.split_at_mut(PLANE_LEN * areas);
         let (slots, marks) = memory.bearings.split_at_mut(3 * columns);
-        let surfaces = Surfaces::new(
-            &mut memory.areas[..areas],
-            planes,
-            &mut marks[..MARKS_LEN * areas],
-            config.max_range_m,
-        );
+        let surfaces =
+            Surfaces::new(&mut memory.areas[..areas], planes, &mut marks[..MARKS_LEN * areas], config.max_range_m);
         let noise_m = config.range_noise_m;
         let range_m2 = noise_m * noise_m + LEAST_NOISE_M * LEAST_NOISE_M;
         let (turns, bits) = (Turns::default(), memory.words);
@@ -148,8 +144,7 @@ impl<'a> PlaneSegmenter<'a> {
         let mut packed = || bits.next().unwrap_or_default();
         let (returns, free) = (packed(), packed());
         let frame = self.fan.frame(at);
-        let line =
-            Scanline { config: &self.config, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
+        let line = Scanline { config: &self.config, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
         self.surfaces.row = at.row as u16;
 
         let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);

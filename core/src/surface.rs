@@ -30,6 +30,9 @@ const BENT: f64 = 0.1;
 /// Variances of the turn angle by which a surface may be bent.
 const WOBBLE: f64 = 4.0;
 
+/// Most of that.
+const MOST: f64 = 9.0;
+
 /// Areas with fewer points join no other one across a gap.
 const GAP_POINTS: u32 = 20;
 
@@ -73,7 +76,7 @@ impl Noise {
         let moved = [ay * z - az * y, az * x - ax * z, ax * y - ay * x];
         let slope: f64 = (0..3).map(|i| moved[i] * plane.m[i]).sum();
         let range_square = (x * x + y * y + z * z) * unit * unit;
-        WOBBLE * slope * slope * range_square * self.turn_rad2 / self.range_m2
+        (WOBBLE * slope * slope * range_square * self.turn_rad2 / self.range_m2).min(MOST)
     }
 }
 

@@ -121,8 +121,7 @@ impl Turns {
         }
         let turn_rad = products / squares;
         let gain: f32 = samples.iter().map(|sample| off(sample, 0.0).min(OFF) - off(sample, turn_rad).min(OFF)).sum();
-        let believed =
-            gain > GAIN && gain > GAIN_PER_PIXEL * count as f32 && turn_rad.abs() < 2.0 * EXPECTED_RAD;
+        let believed = gain > GAIN && gain > GAIN_PER_PIXEL * count as f32 && turn_rad.abs() < 2.0 * EXPECTED_RAD;
         if !believed {
             return None;
         }
