@@ -68,7 +68,8 @@ impl Turns {
         // |span|^2 and the part of it across the beam, both times r^2
         let across = (dot(span, span) * range_square - deep * deep).max(0.0);
         let turned = (ab < 0.0) | (ab * ab < self.cos_square * squares);
-        let beyond_noise = (squares - ab * ab) * range_square > self.noise_square_m2 * across;
+        // a fold by almost 180 deg leaves a sine that rounding can make negative
+        let beyond_noise = (squares - ab * ab).max(0.0) * range_square >= self.noise_square_m2 * across;
         // a chord that is k times as long reaches k times as far across the beam
         let (reached, reach) = (0.25 * across, self.reach_square_m2 * range_square);
         let short = [1.0, 4.0, 16.0, 64.0].map(|k_square| u16::from(k_square * reached < reach));

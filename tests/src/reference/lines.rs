@@ -34,7 +34,8 @@ impl Doubt {
     /// Whether `value` is above `threshold`; in doubt where they are nearer than `margin`, or not numbers.
     pub fn above(&mut self, value: f64, threshold: f64, margin: f64) -> bool {
         self.decisions += 1;
-        self.doubtful += usize::from(!((value - threshold).abs() > margin));
+        let sure = (value - threshold).abs() > margin;
+        self.doubtful += usize::from(!sure);
         value > threshold
     }
 }
@@ -82,8 +83,8 @@ fn turn(points: [Vector3<f64>; 3], settings: &Settings, doubt: &mut Doubt) -> Tu
     let cancelled = (span.norm() / across_m).powi(2) * 1e-6 + 1e-3 + 1e-6 / angle_rad.sin().powi(2);
     let turned = doubt.above(angle_rad, settings.line_angle_rad, error_rad);
     let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * farthest_m * (a.norm() + b.norm());
-    let turns =
-        turned && doubt.above(off, TURN_SIGMAS * sigma, if settings.range_noise_m > 0.0 { margin } else { 0.0 });
+    let no_noise = settings.range_noise_m == 0.0;
+    let turns = turned && (no_noise || doubt.above(off, TURN_SIGMAS * sigma, margin));
     Turn { turns, sharpness: 1.0 - angle_rad.cos(), error_rad, across_m: across_m / 2.0 }
 }
 
@@ -125,10 +126,10 @@ pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, settings: &Setting
     let reach_m = 2.0 * 1.5f64.sqrt() * TURN_SIGMAS * settings.range_noise_m / settings.line_angle_rad.sin();
     for piece in pieces(points, &cut) {
         let mut sharpest: Option<(f64, usize)> = None;
-        for here in piece.start + 1..piece.end {
+        for (here, shortest) in shortest.iter().enumerate().take(piece.end).skip(piece.start + 1) {
             let room = (here - piece.start).min(piece.end - 1 - here);
             let mut k = 1;
-            if let Some(turn) = &shortest[here] {
+            if let Some(turn) = shortest {
                 while k < 16 && doubt.above(reach_m, k as f64 * turn.across_m, 1e-3 * reach_m) {
                     k *= 2;
                 }

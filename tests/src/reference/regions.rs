@@ -31,6 +31,8 @@ pub struct Regions {
 
 /// Principal axes of points.
 struct Axes {
+    /// Number of points.
+    points: f64,
     centroid: Vector3<f64>,
     /// Mean squares along the axes, smallest first.
     squares: [f64; 3],
@@ -45,6 +47,7 @@ fn axes(points: &[Vector3<f64>]) -> Axes {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     Axes {
+        points: n,
         centroid,
         squares: order.map(|i| eigen.eigenvalues[i].max(0.0)),
         vectors: order.map(|i| eigen.eigenvectors.column(i).into_owned()),
@@ -71,7 +74,7 @@ impl Grower<'_> {
         let thin_m = self.settings.range_noise_m + 0.001;
         let threshold = thin_m * thin_m + 4e-6 * axes.squares[2];
         // the middle one of three, of points rounded a little differently
-        self.doubt.above(axes.squares[1], threshold, 2e-6 * axes.squares[2] + 0.02 * threshold)
+        self.doubt.above(axes.squares[1], threshold, 5e-7 * axes.squares[2] + 0.02 * threshold)
     }
 
     /// Whether a point is near a plane.
@@ -80,12 +83,15 @@ impl Grower<'_> {
         let distance_m = normal.dot(&(point - plane.centroid)).abs();
         let cos = normal.dot(&point.normalize()).abs();
         let tolerance_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m * cos;
-        // some points may be rounded to the next unit, and f32 has 1e-7 of the largest square: both tilt the normal
-        let stiffness = (plane.squares[1] - plane.squares[0]).max(1e-12);
-        let tilt = 0.1 * UNIT_M / stiffness.sqrt() + 1e-6 * plane.squares[2] / stiffness;
-        let lever_m = (point - plane.centroid).norm();
-        let margin =
-            1e-5 * point.norm() + 0.1 * UNIT_M + tilt * (lever_m + DISTANCE_SIGMAS * self.settings.range_noise_m);
+        // one point of a hundred may be rounded to the next unit, and f32 has 5e-7 of the largest square: both tilt the
+        // normal towards the other axes
+        let lever = point - plane.centroid;
+        let tilted = |axis: usize| {
+            let stiffness = (plane.squares[axis] - plane.squares[0]).max(1e-12);
+            let tilt = 0.8 * UNIT_M / (plane.points * stiffness).sqrt() + 5e-7 * plane.squares[2] / stiffness;
+            tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.settings.range_noise_m)
+        };
+        let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
         !self.doubt.above(distance_m, tolerance_m, margin)
     }
 
