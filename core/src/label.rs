@@ -1,4 +1,6 @@
-//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas between edges, by runs, in one pass.
+//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas, by runs, in one pass. Of the edge-based
+//! approach runs are what edges leave of a row, and those that touch are one area; of the region-based one they are lines,
+//! and [`Growth`] says which areas take them.
 //!
 //! Only the frontier is remembered: the runs of the row before that may still be touched, then the runs of this row so
 //! far, a queue of at most floor(columns / 2) + 2 entries. Each run refers to a slot of the table of live areas. Where
@@ -8,7 +10,10 @@
 //! - The slot that a run has joined others into keeps the run's own reference to the end of the row, and only such slots
 //!   are linked to. Hence every slot in use is referred to by a run of its own.
 //! - Runs that can no longer be touched are dropped before a new area takes a slot, and then the frontier without the
-//!   new run has at most floor(columns / 2) runs.
+//!   new run has at most floor(columns / 2) runs. With gaps between runs, because every run has its pixel and a gap.
+//!   With runs that touch, of two pixels or more, let the new one be `s..e`: floor(s / 2) runs at most are to its left,
+//!   and those of the row above that end after e are at most 1 + floor((columns - e - 1) / 2), with e >= s + 2; together
+//!   no more than floor((columns - 1) / 2).
 
 use core::ops::{ControlFlow, Range};
 

@@ -22,7 +22,7 @@ use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
 
-/// Rows between the row pushed and the row whose labels it decides.
+/// Rows between the row pushed and the row whose labels it decides, of [`EdgeSegmenter`]; no approach needs more.
 pub const LATENCY_ROWS: usize = 3;
 
 /// The most columns of an image.
@@ -31,7 +31,7 @@ pub const MAX_COLUMNS: usize = 16_384;
 /// The most rows of a scan.
 pub const MAX_ROWS: usize = 65_535;
 
-/// What [`EdgeSegmenter::push_row`] did, and what to do next.
+/// What `push_row` of a segmenter did, and what to do next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Status {
@@ -152,6 +152,9 @@ pub struct EdgeSegmenter<'a> {
 }
 
 impl<'a> EdgeSegmenter<'a> {
+    /// Rows between the row pushed and the row whose labels it decides.
+    pub const LATENCY_ROWS: usize = LATENCY_ROWS;
+
     /// A segmenter for images of `columns` columns, 1 to [`MAX_COLUMNS`]. Checks the configuration once.
     ///
     /// # Errors
