@@ -26,7 +26,7 @@ impl fmt::Display for Label {
 pub enum Pixel {
     /// No return: the paper's outliers, windows among them.
     NoReturn,
-    /// Part of an edge.
+    /// Part of an edge; region-based: on no line.
     Edge,
     /// Part of the area with this label, or of an area that it has joined since.
     Segment(Label),
@@ -81,8 +81,8 @@ impl Segment {
 
 /// Takes what a segmenter finds, row by row. Any method may return `ControlFlow::Break` to drop the rest of the scan.
 ///
-/// Order of the calls for one pushed row: `edges`; then, for the row a few rows earlier that is now decided, `join` and
-/// `segment` as they are found from left to right; then `row`.
+/// Order of the calls for one pushed row: `edges`; then, for the row that is now decided (edge-based: a few rows earlier),
+/// `join` and `segment` as they are found from left to right; then `row`.
 pub trait Sink {
     /// A row of labels. Joins that this row brought about are already applied to it.
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()>;
@@ -99,14 +99,15 @@ pub trait Sink {
         ControlFlow::Continue(())
     }
 
-    /// A row of edges before the closing, for pictures and tests.
+    /// A row of edges before the closing, for pictures and tests. Region-based: pixels with a return that begin a line or
+    /// are on none.
     fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
         let _ = row;
         ControlFlow::Continue(())
     }
 }
 
-/// A row of edges: roof and step edges of all traces, before the closing.
+/// A row of edges: roof and step edges of all traces, before the closing; or where lines begin, see [`Sink::edges`].
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeRow<'a> {
     pub(crate) row: usize,
@@ -122,7 +123,7 @@ impl<'a> EdgeRow<'a> {
 
     /// The runs of edge pixels, from the left.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> + 'a {
-        bits::runs(self.words, &[], self.columns)
+        bits::runs(self.words, self.columns)
     }
 }
 
@@ -162,7 +163,7 @@ impl<'a> LabelRow<'a> {
         let (mut by_run, mut by_slot) = (None, None);
         match self.labels {
             RunLabels::Runs { areas, starts, labels } => {
-                let runs = bits::runs(areas, starts, self.columns).enumerate();
+                let runs = bits::touching_runs(areas, starts, self.columns).enumerate();
                 by_run = Some(runs.map(move |(i, run)| (run, labels.of_run(i))));
             }
             RunLabels::Slots { slots, table } => {

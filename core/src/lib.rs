@@ -8,9 +8,15 @@
 //!    -> closing, on packed bits                closing
 //!    -> labels, joins, complete segments       label
 //!    -> their planes                           plane
+//!
+//! or, by the paper's other approach,
+//!    -> lines of the row, by bearing angle     line                                                 (section 4)
+//!    -> growing planar regions                 region, label
 //! ```
 //!
-//! [`EdgeSegmenter`] ties the stages together; [`Config::paper`] holds the paper's settings; a [`Sink`] takes the results.
+//! [`EdgeSegmenter`] and [`RegionSegmenter`] tie the stages together, one for each of the paper's two approaches; they are
+//! used alike, with the same [`Config`] and [`Memory`]. [`Config::paper`] holds the paper's settings; a [`Sink`] takes the
+//! results.
 //!
 //! # Features
 //! - `micromath`: a coarse arc tangent (0.17 deg instead of 0.001 deg) for processors without floating point.

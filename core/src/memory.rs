@@ -13,7 +13,7 @@ use crate::segmenter::LATENCY_ROWS;
 pub struct Memory<'a> {
     /// Rows of ranges.
     pub ranges: &'a mut [f32],
-    /// Rows of bearing angles, two per trace.
+    /// Rows of bearing angles, two per trace. The region-based approach has scratch of its lines there.
     pub bearings: &'a mut [u16],
     /// Rows of packed bits, and the frontier of the labels.
     pub words: &'a mut [u32],
@@ -83,7 +83,8 @@ impl Sizes {
     }
 }
 
-/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known.
+/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known, which is three rows. The
+/// region-based approach keeps the x, y and z of one row instead.
 pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
     let mut rows = LATENCY_ROWS;
     let mut i = 0;
@@ -110,7 +111,7 @@ impl<const R: usize, const B: usize, const W: usize, const A: usize> Buffers<R, 
     /// All zeros.
     pub const EMPTY: Self = Self { ranges: [0.0; R], bearings: [0; B], words: [0; W], areas: [Area::EMPTY; A] };
 
-    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new).
+    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new) or [`RegionSegmenter::new`](crate::RegionSegmenter::new).
     pub fn memory(&mut self) -> Memory<'_> {
         Memory {
             ranges: &mut self.ranges,

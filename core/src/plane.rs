@@ -312,4 +312,70 @@ mod tests {
         assert!(!a.is_exact());
         assert_eq!(a.plane(), None);
     }
+
+    /// Patches of all sizes, distances and noises: the quick plane is the one in f64, to what f32 leaves.
+    #[test]
+    fn quick_planes_are_planes() {
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let mut strips = 0;
+        for _ in 0..2000 {
+            let mut axes = [[0.0; 3]; 3];
+            axes[0] = [uniform(), uniform(), uniform()];
+            axes[1] = [uniform(), uniform(), uniform()];
+            let unit = |a: [f64; 3]| a.map(|c| c / libm::sqrt(dot(a, a)));
+            let cross = |a: [f64; 3], b: [f64; 3]| {
+                core::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+            };
+            axes[2] = unit(cross(axes[0], axes[1]));
+            axes[0] = unit(axes[0]);
+            axes[1] = cross(axes[2], axes[0]);
+            let scale = |low: f64, high: f64, u: f64| low * libm::pow(high / low, u + 0.5);
+            let extents = [scale(0.1, 10.0, uniform()), scale(0.02, 5.0, uniform()), scale(1e-4, 0.02, uniform())];
+            let centre: [f64; 3] = core::array::from_fn(|_| 60.0 * uniform());
+            let mut moments = Moments::default();
+            for _ in 0..200 {
+                let along = extents.map(|extent| extent * uniform());
+                let point: [f64; 3] =
+                    core::array::from_fn(|i| centre[i] + (0..3).map(|k| along[k] * axes[k][i]).sum::<f64>());
+                moments.add_point(point.map(|c| libm::round(c / f64::from(POINT_UNIT_M)) as i32));
+            }
+            let (quick, exact) = (moments.quick_plane().unwrap(), moments.plane().unwrap());
+            let [least, across, along] = quick.squares_m2;
+            assert!(least <= across && across <= along);
+            let rounding = 1e-6 * along;
+            assert!((least - exact.rms_m * exact.rms_m).abs() <= rounding + 1e-5 * least, "{quick:?} {exact:?}");
+            let turned = 1.0 - dot(quick.normal, exact.normal).abs();
+            let tilt = rounding / (across - least);
+            strips += usize::from(tilt > 1e-3);
+            assert!(turned <= 0.5 * tilt * tilt + 1e-6, "{quick:?} {exact:?}");
+            assert!(
+                (dot(quick.normal, quick.normal) - 1.0).abs() < 1e-5 && dot(quick.normal, quick.along).abs() < 1e-5
+            );
+            let centroid_m = moments.centroid_m().unwrap();
+            for (a, b) in quick.centroid_m.iter().zip(centroid_m) {
+                assert!((a - b).abs() <= 1e-6 * b.abs() + 1e-6);
+            }
+            assert!(quick.distance_m(&quick.centroid_m) == 0.0);
+        }
+        assert!(strips > 20, "{strips} that f32 has some trouble with");
+    }
+
+    #[test]
+    fn quick_planes_of_few_points() {
+        let mut moments = Moments::default();
+        assert_eq!(moments.quick_plane(), None);
+        moments.add_point([4096, -8192, 1]);
+        let plane = moments.quick_plane().unwrap();
+        assert_eq!((plane.centroid_m, plane.squares_m2), ([1.0, -2.0, POINT_UNIT_M], [0.0; 3]));
+        moments.add_point([4096, 8192, 1]);
+        let plane = moments.quick_plane().unwrap();
+        assert_eq!((plane.centroid_m, plane.squares_m2), ([1.0, 0.0, POINT_UNIT_M], [0.0, 0.0, 4.0]));
+        assert_eq!(plane.along.map(f32::abs), [0.0, 1.0, 0.0]);
+        moments.second[0] = i64::MAX;
+        assert_eq!(moments.quick_plane(), None);
+    }
 }

@@ -172,7 +172,7 @@ impl<'a> PlaneSegmenter<'a> {
         };
         let mut unlabelled = 0;
         let mut lanes = (usize::MAX, line.lanes(0));
-        for run in runs(free, &[], columns) {
+        for run in runs(free, columns) {
             let place = |column: usize| {
                 let from = column / CHUNK * CHUNK;
                 if lanes.0 != from {

@@ -22,7 +22,7 @@ use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
 
-/// Rows between the row pushed and the row whose labels it decides.
+/// Rows between the row pushed and the row whose labels it decides, of [`EdgeSegmenter`]; no approach needs more.
 pub const LATENCY_ROWS: usize = 3;
 
 /// The most columns of an image.
@@ -31,7 +31,7 @@ pub const MAX_COLUMNS: usize = 16_384;
 /// The most rows of a scan.
 pub const MAX_ROWS: usize = 65_535;
 
-/// What [`EdgeSegmenter::push_row`] did, and what to do next.
+/// What `push_row` of a segmenter did, and what to do next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Status {
@@ -152,6 +152,9 @@ pub struct EdgeSegmenter<'a> {
 }
 
 impl<'a> EdgeSegmenter<'a> {
+    /// Rows between the row pushed and the row whose labels it decides.
+    pub const LATENCY_ROWS: usize = LATENCY_ROWS;
+
     /// A segmenter for images of `columns` columns, 1 to [`MAX_COLUMNS`]. Checks the configuration once.
     ///
     /// # Errors
@@ -353,7 +356,7 @@ impl<'a> EdgeSegmenter<'a> {
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let last = columns - 1;
         let seam = self.shape.wraps && current[0] & current[last / CHUNK] >> (last % CHUNK) & 1 == 1;
-        let (above, here) = (runs(before, &[], columns), runs(current, &[], columns));
+        let (above, here) = (runs(before, columns), runs(current, columns));
         let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
         let labels = RunLabels::Runs { areas: current, starts: &[], labels: &self.labels };
@@ -397,6 +400,8 @@ pub(crate) struct RowPoints<'a> {
 }
 
 impl Growth for RowPoints<'_> {
+    const TAKES_ALL: bool = true;
+
     fn moments(&mut self, run: Range<usize>) -> Moments {
         let mut moments = Moments::default();
         let mut column = run.start;

@@ -235,10 +235,9 @@ impl<'a> Surfaces<'a> {
     pub fn refit(&mut self) {
         for slot in 0..self.table.len() as u16 {
             let grown = *self.state(slot) >= LIVE && self.last_row(slot) == self.row;
-            if grown && self.get(slot).first_row < self.row {
-                if let Some(fit) = Fit::of(&self.get(slot).moments()) {
-                    self.set_plane(slot, &fit);
-                }
+            let old = grown && self.get(slot).first_row < self.row;
+            if let Some(fit) = old.then(|| Fit::of(&self.get(slot).moments())).flatten() {
+                self.set_plane(slot, &fit);
             }
         }
     }
