@@ -14,16 +14,16 @@
 use core::ops::{ControlFlow, Range};
 
 use crate::beam::{Beams, Fan, RowBeam};
-use crate::bits::{CHUNK, pack, runs, words};
+use crate::bits::{CHUNK, load, mask, pack, runs, words};
 use crate::config::Config;
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
-use crate::follow::follow;
+use crate::follow::{Followed, follow};
 use crate::label::{Growth, live_labels};
 use crate::memory::Memory;
 use crate::piece::lines;
 use crate::plane::Moments;
-use crate::scanline::Scanline;
+use crate::scanline::{Lanes, Scanline};
 use crate::segmenter::{Finished, RowPoints, Status, check_row};
 use crate::surface::{FULL, MARKS_LEN, NONE, Noise, PLANE_LEN, Surfaces};
 use crate::turn::{Turns, scratch_len};
@@ -142,23 +142,17 @@ impl<'a> PlaneSegmenter<'a> {
         let (above, slots) = if at.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
         let mut bits = self.bits.chunks_exact_mut(words(columns));
         let mut packed = || bits.next().unwrap_or_default();
-        let (returns, free) = (packed(), packed());
+        let mut followed = Followed { returns: packed(), free: packed(), was_left: packed(), was_on: packed() };
         let frame = self.fan.frame(at);
         let line = Scanline { config: &self.config, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
         self.surfaces.row = at.row as u16;
 
         let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);
-        follow(&line, above, &self.surfaces, &row_noise, [&mut *returns, &mut *free], slots);
+        follow(&line, above, &self.surfaces, &row_noise, &mut followed, slots);
+        let Followed { returns, free, .. } = followed;
 
         let mut points =
             RowPoints { fan: &self.fan, frame, ranges: ranges_m, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
-        for (word, (returns, free)) in returns.iter_mut().zip(free.iter_mut()).enumerate() {
-            let from = word * CHUNK;
-            let here = line.lanes(from).range_m.map(|range_m| range_m > 0.0);
-            let none = core::array::from_fn(|i| slots.get(from + i) == Some(&NONE));
-            *returns = pack(&here);
-            *free = pack(&none) & *returns;
-        }
         for run in equal_runs(slots) {
             if slots[run.start] < FULL {
                 self.surfaces.extend(slots[run.start], &run, &points.moments(run.clone()));
@@ -171,15 +165,15 @@ impl<'a> PlaneSegmenter<'a> {
             axis: self.fan.axis(),
         };
         let mut unlabelled = 0;
-        let mut lanes = (usize::MAX, line.lanes(0));
+        let (mut lanes, mut at_chunk) = (Lanes::EMPTY, usize::MAX);
         for run in runs(free, columns) {
             let place = |column: usize| {
-                let from = column / CHUNK * CHUNK;
-                if lanes.0 != from {
-                    lanes = (from, line.lanes(from));
+                if at_chunk != column / CHUNK {
+                    at_chunk = column / CHUNK;
+                    line.lanes(at_chunk * CHUNK, &mut lanes);
                 }
-                let (range_m, i) = (lanes.1.range_m[column - from], column - from);
-                [range_m * lanes.1.cos[i], range_m * lanes.1.sin[i]]
+                let (i, range_m) = (column % CHUNK, lanes.range_m[column % CHUNK]);
+                [range_m * lanes.cos[i], range_m * lanes.sin[i]]
             };
             let surfaces = &mut self.surfaces;
             lines(run, self.range_m2, cuts, place, |found| {
@@ -196,14 +190,12 @@ impl<'a> PlaneSegmenter<'a> {
         self.surfaces.refit();
         join_neighbours(&mut self.surfaces, above, slots, line.wraps, &noise, sink)?;
         self.surfaces.bridge(&noise, sink)?;
-        for slot in slots.iter_mut() {
-            *slot = self.surfaces.root(*slot);
-        }
+        self.surfaces.settle(slots);
         self.surfaces.close(false, sink)?;
 
-        for (word, free) in free.iter_mut().enumerate() {
-            let none = core::array::from_fn(|i| slots.get(word * CHUNK + i) == Some(&NONE));
-            *free = pack(&none) & returns[word];
+        for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
+            let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
+            *free &= pack(&none);
         }
         sink.edges(&EdgeRow { row: at.row, columns, words: free })?;
         let labels = RunLabels::Slots { slots, table: self.surfaces.table() };
@@ -283,30 +275,40 @@ fn join_neighbours<S: Sink>(
     let mut done = [(NONE, NONE); REMEMBERED_PAIRS];
     let mut next = 0;
     let columns = slots.len();
-    for column in 0..columns {
-        let slot = slots[column];
-        if slot >= FULL {
-            continue;
-        }
-        let beside = |ahead: usize| match column + ahead {
-            c if c < columns => slots[c],
-            c if wraps => slots[c - columns],
-            _ => NONE,
-        };
-        let right = if beside(1) < FULL { beside(1) } else { beside(2) };
-        for other in [right, above[column]] {
-            if other >= FULL || other == slot {
+    for from in (0..columns).step_by(CHUNK) {
+        // columns whose neighbour to the right or above is of another area
+        let [here, up, right] =
+            [(slots, from), (above, from), (slots, from + 1)].map(|(row, from)| *load(row, from, &mut [NONE; CHUNK]));
+        let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
+        differ[CHUNK - 1] = true;
+        let mut bits = pack(&differ) & mask(from / CHUNK, columns);
+        while bits != 0 {
+            let column = from + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let slot = slots[column];
+            if slot >= FULL {
                 continue;
             }
-            let pair = (slot.min(other), slot.max(other));
-            if done.contains(&pair) {
-                continue;
-            }
-            done[next] = pair;
-            next = (next + 1) % REMEMBERED_PAIRS;
-            let (one, other) = (surfaces.root(slot), surfaces.root(other));
-            if one != other && surfaces.size(one).0 > 1 && surfaces.size(other).0 > 1 {
-                surfaces.try_join(one, other, noise, sink)?;
+            let beside = |ahead: usize| match column + ahead {
+                c if c < columns => slots[c],
+                c if wraps => slots[c - columns],
+                _ => NONE,
+            };
+            let right = if beside(1) < FULL { beside(1) } else { beside(2) };
+            for other in [right, above[column]] {
+                if other >= FULL || other == slot {
+                    continue;
+                }
+                let pair = (slot.min(other), slot.max(other));
+                if done.contains(&pair) {
+                    continue;
+                }
+                done[next] = pair;
+                next = (next + 1) % REMEMBERED_PAIRS;
+                let (one, other) = (surfaces.root(slot), surfaces.root(other));
+                if one != other && surfaces.size(one).0 > 1 && surfaces.size(other).0 > 1 {
+                    surfaces.try_join(one, other, noise, sink)?;
+                }
             }
         }
     }

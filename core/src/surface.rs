@@ -87,17 +87,20 @@ pub(crate) struct Surfaces<'a> {
     marks: &'a mut [u16],
     next_label: u32,
     exact_points: u32,
+    /// Whether an area was joined into another one in this row.
+    joined: bool,
     pub row: u16,
 }
 
 impl<'a> Surfaces<'a> {
     pub fn new(table: &'a mut [Area], planes: &'a mut [f32], marks: &'a mut [u16], max_range_m: f32) -> Self {
-        Self { table, planes, marks, next_label: 1, exact_points: exact_points(max_range_m), row: 0 }
+        Self { table, planes, marks, next_label: 1, exact_points: exact_points(max_range_m), joined: false, row: 0 }
     }
 
     pub fn reset(&mut self) {
         self.marks.fill(FREE);
         self.next_label = 1;
+        self.joined = false;
         self.row = 0;
     }
 
@@ -222,6 +225,7 @@ impl<'a> Surfaces<'a> {
         let (area, exact) = (*self.get(gone), self.exact_points);
         let join = self.table[usize::from(kept)].absorb(&area, exact);
         self.table[usize::from(gone)].link = kept;
+        self.joined = true;
         let state = (*self.state(kept)).max(*self.state(gone));
         *self.state(kept) = state;
         let (k, g) = (usize::from(kept) * MARKS_LEN, usize::from(gone) * MARKS_LEN);
@@ -273,6 +277,15 @@ impl<'a> Surfaces<'a> {
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// After the joins of a row: every pixel refers to the area itself.
+    pub fn settle(&mut self, slots: &mut [u16]) {
+        if core::mem::take(&mut self.joined) {
+            for slot in slots {
+                *slot = self.root(*slot);
+            }
+        }
     }
 
     /// After a row: areas that have not grown are complete. `all`: every area is.

@@ -7,7 +7,7 @@
 
 use crate::bits::CHUNK;
 use crate::follow::RowNoise;
-use crate::scanline::Scanline;
+use crate::scanline::{Lanes, Scanline};
 use crate::surface::{FULL, Surfaces};
 
 /// Every fourth pixel is looked at.
@@ -76,8 +76,9 @@ impl Turns {
         let samples = scratch.as_chunks_mut::<2>().0;
         let (mut count, mut weights) = (0, 0.0);
         let mut known = (FULL, None);
+        let mut lanes = Lanes::EMPTY;
         for from in (0..above.len()).step_by(CHUNK) {
-            let lanes = line.lanes(from);
+            line.lanes(from, &mut lanes);
             for i in (0..CHUNK.min(above.len() - from)).step_by(STRIDE) {
                 let slot = above[from + i];
                 if slot != known.0 {
