@@ -119,9 +119,9 @@ impl Area {
     }
 }
 
-/// How an approach lets areas grow, run by run.
+/// How an approach lets areas grow, run by run. One that `TAKES_ALL` needs `moments` only.
 pub(crate) trait Growth {
-    /// Whether areas take every run that touches them, so that those of a run are one.
+    /// Whether areas take every run that touches them, so that those that touch one run are one.
     const TAKES_ALL: bool = false;
 
     /// The next run of the row.
@@ -130,7 +130,7 @@ pub(crate) trait Growth {
     }
 
     /// Whether an area of the row above, which the run touches, takes the run, and how well: of several the one that takes
-    /// it best, and of equal ones the first, gets it.
+    /// it best, and of equal ones the leftmost, gets it.
     fn takes(&mut self, area: &Area) -> Option<u32> {
         let _ = area;
         Some(0)
