@@ -128,7 +128,7 @@ fn shown_tables(results: &Results) -> String {
 fn judged(claim: &Claim) -> String {
     let class = match claim.verdict {
         Verdict::Holds => "holds",
-        Verdict::HoldsInPart => "in-part",
+        Verdict::HoldsInPart | Verdict::Open => "in-part",
         Verdict::DoesNotHold => "not",
     };
     let found: String = claim.found.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
