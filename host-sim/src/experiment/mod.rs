@@ -31,7 +31,7 @@ use std::thread;
 
 use scanseg_core::Config;
 
-use crate::format::RangeImage;
+use crate::format::{Geometry, RangeImage};
 use crate::hoover::Overlaps;
 use crate::office::{Scene, Sensor, Set};
 use crate::segmentation::{Approach, Segmentation};
@@ -234,12 +234,7 @@ pub fn runs(set: Set, scenes: u32, step_done: impl Fn() + Sync) -> Vec<Run> {
 
 /// A scan of a scene by the paper's scanner in some resolution, with its truth. The errors are those of seed 0, as in
 /// `scanseg office`.
-fn scan(
-    set: Set,
-    scene: u32,
-    size: (usize, usize),
-    range_noise_m: f64,
-) -> (RangeImage, Vec<u16>, crate::format::Geometry) {
+fn scan(set: Set, scene: u32, size: (usize, usize), range_noise_m: f64) -> (RangeImage, Vec<u16>, Geometry) {
     let sensor = Sensor { range_noise_m, ..Sensor::nodding(size.0, size.1) };
     let scan = Scene::numbered(set, scene).scan(&sensor, 0).expect("a good sensor");
     (RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m }, scan.truth, scan.geometry)
