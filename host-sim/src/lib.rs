@@ -7,4 +7,5 @@ pub mod office;
 pub mod overview;
 pub mod picture;
 pub mod segmentation;
+pub mod timing;
 pub mod virtual_rig;

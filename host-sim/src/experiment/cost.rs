@@ -1,12 +1,8 @@
 //! What a method costs per point as scans of one scene grow.
 
-use std::hint::black_box;
-use std::time::Instant;
-
-use super::{METHODS, Method, in_parallel, scan};
-use crate::format::{Geometry, RangeImage};
+use super::{METHODS, in_parallel, scan};
 use crate::office::Set;
-use crate::segmentation::Segmentation;
+use crate::timing::Timing;
 
 /// Rows and columns: 10^4 to 2 * 10^6 points, each about twice those before.
 const SIZES: [(usize, usize); 8] =
@@ -49,7 +45,9 @@ pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
     let mut costs = vec![];
     for (scan, geometry, range_noise_m) in &scans {
         for (i, method) in METHODS.iter().enumerate() {
-            let ns_per_point = ns_per_point(method, scan, geometry, *range_noise_m);
+            let config = (method.config)(*range_noise_m);
+            let timing = Timing::of(scan, geometry, method.approach, &config, None, ROUNDS);
+            let ns_per_point = timing.expect("a simulated scan fits").median_ns();
             costs.push(Cost { method: i, rows: scan.rows, columns: scan.columns, ns_per_point });
         }
         step_done();
@@ -61,20 +59,4 @@ pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
 fn range_noise_m((rows, columns): (usize, usize)) -> f64 {
     let step_deg = (100.0 / rows as f64).min(180.0 / columns as f64);
     0.03 * 4.0 * step_deg.to_radians()
-}
-
-fn ns_per_point(method: &Method, scan: &RangeImage, geometry: &Geometry, range_noise_m: f32) -> f64 {
-    let config = (method.config)(range_noise_m);
-    let mut rounds: Vec<f64> = (0..=ROUNDS)
-        .map(|_| {
-            let started = Instant::now();
-            let done = Segmentation::of(black_box(scan), geometry, method.approach, &config, None, || {});
-            black_box(done.expect("a simulated scan fits"));
-            started.elapsed().as_secs_f64() * 1e9 / (scan.rows * scan.columns) as f64
-        })
-        .collect();
-    // the first round warmed up
-    rounds.remove(0);
-    rounds.sort_by(f64::total_cmp);
-    rounds[ROUNDS / 2]
 }
