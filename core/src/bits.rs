@@ -56,34 +56,42 @@ pub(crate) fn store<T: Copy>(row: &mut [T], from: usize, chunk: &[T]) {
     }
 }
 
-/// The runs of set bits of a packed row, from the left.
+/// The runs of a packed row, from the left: set bits next to each other, of which each bit of `starts` begins a new run.
 #[derive(Clone)]
 pub(crate) struct Runs<'a> {
     words: &'a [u32],
+    starts: &'a [u32],
     column: usize,
     columns: usize,
 }
 
-/// Iterates over the runs of set bits of a packed row.
-pub(crate) fn runs(words: &[u32], columns: usize) -> Runs<'_> {
-    Runs { words, column: 0, columns }
+/// Iterates over the runs of a packed row. `starts` may be empty: then no two runs touch.
+pub(crate) fn runs<'a>(words: &'a [u32], starts: &'a [u32], columns: usize) -> Runs<'a> {
+    Runs { words, starts, column: 0, columns }
 }
 
 impl Runs<'_> {
-    /// First column from `self.column` on whose bit differs from those of `invert`; `columns` if there is none.
-    fn seek(&mut self, invert: u32) {
-        let mut word = self.column / CHUNK;
-        let mut keep = u32::MAX << (self.column % CHUNK);
+    /// The runs from a column on.
+    pub fn from(mut self, column: usize) -> Self {
+        self.column = column;
+        self
+    }
+
+    /// First column from `from` on where a run begins, or, for `end`, where one ends; `columns` if there is none.
+    #[inline(always)]
+    fn seek(&self, from: usize, end: bool) -> usize {
+        let mut word = from / CHUNK;
+        let mut keep = u32::MAX << (from % CHUNK);
         while let Some(&bits) = self.words.get(word) {
-            let found = (bits ^ invert) & keep;
+            let bits = if end { !bits | self.starts.get(word).copied().unwrap_or(0) } else { bits };
+            let found = bits & keep;
             if found != 0 {
-                self.column = (word * CHUNK + found.trailing_zeros() as usize).min(self.columns);
-                return;
+                return (word * CHUNK + found.trailing_zeros() as usize).min(self.columns);
             }
             keep = u32::MAX;
             word += 1;
         }
-        self.column = self.columns;
+        self.columns
     }
 }
 
@@ -91,12 +99,12 @@ impl Iterator for Runs<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
-        self.seek(0);
-        let start = self.column;
+        let start = self.seek(self.column, false);
         if start == self.columns {
+            self.column = start;
             return None;
         }
-        self.seek(u32::MAX);
+        self.column = self.seek(start + 1, true);
         Some(start..self.column)
     }
 }

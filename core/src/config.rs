@@ -77,6 +77,12 @@ pub struct Config<'a> {
     pub step_angle_rad: f32,
     /// Structuring element of the closing.
     pub closing: Element,
+    /// Region-based approach: a line of a row ends where the bearing angle turns by at least this much, radians; above 0,
+    /// up to pi / 2.
+    pub line_angle_rad: f32,
+    /// Region-based approach: how far from a plane a surface may be for other reasons than the noise, metres; 0 to 1. A
+    /// line joins a region whose plane both of its ends are near: within this and 4 standard deviations.
+    pub plane_distance_m: f32,
 }
 
 impl Config<'_> {
@@ -100,6 +106,8 @@ impl Config<'_> {
             roof_angle_rad: 20.0 * core::f32::consts::PI / 180.0,
             step_angle_rad: 6.0 * core::f32::consts::PI / 180.0,
             closing: Element::Plus,
+            line_angle_rad: 3.0 * core::f32::consts::PI / 180.0,
+            plane_distance_m: 0.005,
         }
     }
 
@@ -124,6 +132,8 @@ impl Config<'_> {
         within("min_range_m", self.min_range_m, self.min_range_m > 0.0 && self.min_range_m <= self.max_range_m)?;
         within("roof_angle_rad", self.roof_angle_rad, self.roof_angle_rad > 0.0 && self.roof_angle_rad <= PI)?;
         within("step_angle_rad", self.step_angle_rad, (0.0..=FRAC_PI_2).contains(&self.step_angle_rad))?;
+        within("line_angle_rad", self.line_angle_rad, self.line_angle_rad > 0.0 && self.line_angle_rad <= FRAC_PI_2)?;
+        within("plane_distance_m", self.plane_distance_m, (0.0..=1.0).contains(&self.plane_distance_m))?;
         let count = |field, value: i32| Err(ConfigError::Count { field, value });
         if self.traces.is_empty() || self.traces.len() > MAX_TRACES {
             return count("traces", self.traces.len() as i32);

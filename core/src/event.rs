@@ -120,7 +120,7 @@ impl<'a> EdgeRow<'a> {
 
     /// The runs of edge pixels, from the left.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> + 'a {
-        bits::runs(self.words, self.columns)
+        bits::runs(self.words, &[], self.columns)
     }
 }
 
@@ -133,6 +133,8 @@ pub struct LabelRow<'a> {
     pub(crate) returns: &'a [u32],
     /// Packed: pixels of areas.
     pub(crate) areas: &'a [u32],
+    /// Packed: pixels that begin a run; empty where no two runs touch.
+    pub(crate) starts: &'a [u32],
     pub(crate) labels: &'a Labels<'a>,
 }
 
@@ -147,10 +149,11 @@ impl<'a> LabelRow<'a> {
         self.columns
     }
 
-    /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full.
+    /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full. Of the
+    /// edge-based approach no two touch; of the region-based one each is a line.
     pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, Option<Label>)> + 'a {
         let labels = self.labels;
-        bits::runs(self.areas, self.columns).enumerate().map(move |(i, run)| (run, labels.of_run(i)))
+        bits::runs(self.areas, self.starts, self.columns).enumerate().map(move |(i, run)| (run, labels.of_run(i)))
     }
 
     /// All pixels, from the left.

@@ -31,8 +31,11 @@ mod edge;
 mod error;
 mod event;
 mod label;
+mod line;
 mod memory;
 mod plane;
+mod region;
+mod region_segmenter;
 mod segmenter;
 
 pub use beam::{BeamAngle, Beams, Columns, MIN_BEAM_ANGLE_RAD, POINT_UNIT_M, TurnAxis};
@@ -43,6 +46,7 @@ pub use event::{EdgeRow, Join, Label, LabelRow, Pixel, Segment, Sink};
 pub use label::{Area, live_labels};
 pub use memory::{Buffers, Memory, Sizes};
 pub use plane::{Moments, Plane};
+pub use region_segmenter::RegionSegmenter;
 pub use segmenter::{EdgeSegmenter, Finished, LATENCY_ROWS, MAX_COLUMNS, MAX_ROWS, Status};
 
 /// Compiles the example of the README.

@@ -2,6 +2,7 @@
 
 use crate::bits::{CHUNK, words};
 use crate::config::{Config, Trace};
+use crate::error::ConfigError;
 use crate::label::{Area, frontier_words, live_labels};
 use crate::segmenter::LATENCY_ROWS;
 
@@ -19,6 +20,24 @@ pub struct Memory<'a> {
     /// table full stays without a label, which [`Status`](crate::Status), [`Finished`](crate::Finished) and
     /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
     pub areas: &'a mut [Area],
+}
+
+impl Memory<'_> {
+    /// Whether it is enough for images of `columns` columns; with it what was asked for.
+    pub(crate) fn check(&self, columns: usize, config: &Config<'_>) -> Result<Sizes, ConfigError> {
+        let needed = Sizes::of(columns, config);
+        for (field, needed, got) in [
+            ("ranges", needed.ranges, self.ranges.len()),
+            ("bearings", needed.bearings, self.bearings.len()),
+            ("words", needed.words, self.words.len()),
+            ("areas", 1, self.areas.len()),
+        ] {
+            if got < needed {
+                return Err(ConfigError::Memory { field, needed, got });
+            }
+        }
+        Ok(needed)
+    }
 }
 
 /// Lengths of the slices of a [`Memory`].

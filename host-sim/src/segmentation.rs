@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use scanseg_core::{
     Area, Beams, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS,
-    Memory, Pixel, PushError, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
+    Memory, Pixel, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
 };
 
 use crate::format::{self, Angles, Geometry, GeometryError, Kind, RangeImage};
@@ -163,13 +163,8 @@ impl Segmentation {
         mut row_done: impl FnMut(),
     ) -> Result<Segmentation, SegmentationError> {
         check_size(scan)?;
-        match approach {
-            // both alike until there is a region-based segmenter
-            Approach::Edge | Approach::Region => {}
-        }
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
-        let mut segmenter = EdgeSegmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
         let pixels = scan.rows * scan.columns;
         let mut collected = Collected {
             columns: scan.columns,
@@ -179,11 +174,21 @@ impl Segmentation {
             segments: vec![],
             joined_into: vec![],
         };
-        for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-            segmenter.push_row(row_m, row_rad, &mut collected)?;
-            row_done();
+        macro_rules! run {
+            ($segmenter:ident) => {{
+                let mut segmenter = $segmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
+                for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
+                    segmenter.push_row(row_m, row_rad, &mut collected)?;
+                    row_done();
+                }
+                segmenter.finish(&mut collected)
+            }};
         }
-        let unlabelled = match segmenter.finish(&mut collected) {
+        let finished = match approach {
+            Approach::Edge => run!(EdgeSegmenter),
+            Approach::Region => run!(RegionSegmenter),
+        };
+        let unlabelled = match finished {
             Finished::Complete { unlabelled, .. } => unlabelled,
             Finished::Stopped => unreachable!("the sink never breaks off"),
         };

@@ -187,6 +187,7 @@ prop_compose! {
             roof_angle_rad: roof_deg.to_radians().min(std::f32::consts::PI),
             step_angle_rad: step_deg.to_radians().min(std::f32::consts::FRAC_PI_2),
             closing: if square { Element::Square } else { Element::Plus },
+            ..Config::paper()
         }
     }
 }

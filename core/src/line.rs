@@ -1,0 +1,250 @@
+//! Lines of a row (paper section 4): each row is broken where its bearing angle turns.
+//!
+//! On a straight line the bearing angle falls by exactly the angle Phi between two beams, whatever the incidence. The
+//! turning angle at pixel i,
+//!
+//! ```text
+//! t_i = BA_(i+1) - BA_i + Phi_(i+1)
+//! ```
+//!
+//! is then 0. It is the angle between the chord that ends in the point of pixel i and the chord that begins there, and
+//! that is how it is found here: from the points, which the regions need anyway, without an arc tangent. Rows of a
+//! spinning scanner lie on cones: there the angle between the chords of a plane is not 0 but that of its conic section,
+//! on level floors the azimuth step, elsewhere Phi tan|elevation| tan(incidence) and less. Against the thresholds that is
+//! little; a row is then broken a little too early, never too late.
+//!
+//! A line turns where |t| reaches `line_angle_rad` and is beyond what the noise of that very angle explains:
+//!
+//! ```text
+//! |sin t| > 1.75 sqrt(3) sigma_BA,   sigma_BA = sqrt(2) sigma_r sin BA_i sin(BA_(i+1) + Phi_(i+1)) / (r sin Phi)
+//! ```
+//!
+//! which is: the point of the pixel lies farther off the chord of its neighbours than 1.75 standard deviations. Where
+//! noise would hide a turn by `line_angle_rad`, the chords are made longer, 2, 4, 8 or 16 pixels, so that it does not.
+//!
+//! - Two neighbours that both turn are not on one line: a step, or a corner between the two.
+//! - A pixel that turns and whose neighbours do not is a corner: the line to its left ends with it.
+//! - With longer chords many pixels around a corner turn: the one that turns most is the corner.
+//! - A pixel without a return is on no line.
+//!
+//! Nothing is fitted, and lines are not merged within a row.
+
+use crate::bits::{CHUNK, mask, pack, runs};
+use crate::config::Config;
+
+/// Standard deviations that a turn must be beyond the noise. Few: a line broken once too often still joins its region in
+/// two parts, while one that goes on beyond a corner joins none.
+const TURN_SIGMAS: f32 = 1.75;
+
+/// The longest chord, pixels.
+const LONGEST_CHORD: usize = 16;
+
+/// Thresholds of the lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turns {
+    /// Square of the cosine of `line_angle_rad`.
+    cos_square: f32,
+    /// Of the variance of a point's distance from the chord of its neighbours, straight on, m^2.
+    noise_square_m2: f32,
+    /// Chords of which a shorter part than this lies across the beam are made longer, m; squared.
+    reach_square_m2: f32,
+}
+
+impl Turns {
+    pub fn new(config: &Config) -> Self {
+        let (sin, cos) = libm::sincosf(config.line_angle_rad);
+        // a point, less the mean of its neighbours: a variance of 1 + 1/4 + 1/4
+        let noise_square_m2 = 1.5 * TURN_SIGMAS * TURN_SIGMAS * config.range_noise_m * config.range_noise_m;
+        // the point is off by half of the sine of the turn on either side
+        Self { cos_square: cos * cos, noise_square_m2, reach_square_m2: 4.0 * noise_square_m2 / (sin * sin) }
+    }
+
+    /// What the points of three pixels say.
+    #[inline(always)]
+    fn at(&self, before: [f32; 3], here: [f32; 3], after: [f32; 3]) -> Turn {
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let minus = |a: [f32; 3], b: [f32; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+        let (a, b, span) = (minus(here, before), minus(after, here), minus(after, before));
+        let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
+        let squares = aa * bb;
+        let (deep, range_square) = (dot(span, here), dot(here, here));
+        // |span|^2 and the part of it across the beam, both times r^2
+        let across = (dot(span, span) * range_square - deep * deep).max(0.0);
+        let turned = (ab < 0.0) | (ab * ab < self.cos_square * squares);
+        let beyond_noise = (squares - ab * ab) * range_square > self.noise_square_m2 * across;
+        let wide = 0.25 * across >= self.reach_square_m2 * range_square;
+        Turn { turns: turned & beyond_noise, wide, cos: ab, squares }
+    }
+}
+
+/// A turn: the angle between two chords.
+struct Turn {
+    /// Whether a line ends here.
+    turns: bool,
+    /// Whether the chords are long enough for the noise.
+    wide: bool,
+    /// The cosine of the angle, times the lengths of the chords.
+    cos: f32,
+    /// Product of the squared lengths of the chords.
+    squares: f32,
+}
+
+/// The points of a row, metres: x, y, z, one per column.
+#[derive(Clone, Copy)]
+pub(crate) struct RowPoints<'a> {
+    pub axes: [&'a [f32]; 3],
+}
+
+impl RowPoints<'_> {
+    /// The point of a column.
+    #[inline(always)]
+    pub fn at(&self, column: usize) -> [f32; 3] {
+        self.axes.map(|axis| axis[column])
+    }
+}
+
+/// Lines shorter than this are none, pixels. Two at least: `label.rs` relies on it.
+pub(crate) const MIN_LINE_PIXELS: usize = 2;
+
+/// Finds the lines of a row: `lines` gets their pixels, `starts` the first pixel of each, both packed. `returns` are the
+/// packed pixels with a return; `turns` is scratch, a packed row. Gives whether the last line goes on with the first
+/// across the seam.
+pub(crate) fn find_lines(
+    thresholds: &Turns,
+    points: &RowPoints,
+    wraps: bool,
+    returns: &[u32],
+    turns: &mut [u32],
+    starts: &mut [u32],
+    lines: &mut [u32],
+) -> bool {
+    let columns = points.axes[0].len();
+    let wide = turn_bits(thresholds, points, wraps, returns, turns);
+    cut(columns, wraps, returns, turns, starts);
+    if !wide {
+        long_chords(thresholds, points, returns, starts);
+    }
+    let last = columns - 1;
+    let at = |bits: &[u32], column: usize| bits[column / CHUNK] >> (column % CHUNK) & 1 == 1;
+    let seam = wraps && !at(starts, 0);
+    starts[0] |= 1;
+    lines.fill(0);
+    for line in runs(returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
+        set(lines, line);
+    }
+    seam && at(lines, 0) && at(lines, last)
+}
+
+/// Packed: the pixels where the chords of the neighbouring pixels turn. Gives whether those chords are long enough.
+fn turn_bits(thresholds: &Turns, points: &RowPoints, wraps: bool, returns: &[u32], turns: &mut [u32]) -> bool {
+    let columns = points.axes[0].len();
+    let mut all_wide = true;
+    let mut halo = [[0.0; CHUNK + 2]; 3];
+    for (word, out) in turns.iter_mut().enumerate() {
+        let from = word * CHUNK;
+        for (halo, axis) in halo.iter_mut().zip(points.axes) {
+            *halo = [0.0; CHUNK + 2];
+            let inside = from.saturating_sub(1)..columns.min(from + CHUNK + 1);
+            let shift = usize::from(from == 0);
+            halo[shift..shift + inside.len()].copy_from_slice(&axis[inside]);
+            if wraps && from == 0 {
+                halo[0] = axis[columns - 1];
+            }
+            if wraps && from + CHUNK >= columns {
+                halo[columns - from + 1] = axis[0];
+            }
+        }
+        let [x, y, z] = &halo;
+        let (mut turning, mut narrow) = ([false; CHUNK], [false; CHUNK]);
+        for i in 0..CHUNK {
+            let at = |i: usize| [x[i], y[i], z[i]];
+            let turn = thresholds.at(at(i), at(i + 1), at(i + 2));
+            (turning[i], narrow[i]) = (turn.turns, !turn.wide);
+        }
+        let inner = neighbours(returns, word, columns, wraps);
+        *out = pack(&turning) & inner;
+        all_wide &= pack(&narrow) & inner == 0;
+    }
+    all_wide
+}
+
+/// The word of the row shifted by one column to the right: bit c is bit c - 1.
+fn left_of(row: &[u32], word: usize, columns: usize, wraps: bool) -> u32 {
+    let last = columns - 1;
+    let carry = match word.checked_sub(1) {
+        Some(before) => row[before] >> (CHUNK - 1),
+        None if wraps => row[last / CHUNK] >> (last % CHUNK),
+        None => 0,
+    };
+    (row[word] << 1) | (carry & 1)
+}
+
+/// The pixels of a word that have a return, and both of whose neighbours have one.
+fn neighbours(returns: &[u32], word: usize, columns: usize, wraps: bool) -> u32 {
+    let carry = returns.get(word + 1).map_or(0, |next| next & 1) << (CHUNK - 1);
+    let mut right = (returns[word] >> 1) | carry;
+    if wraps && word + 1 == returns.len() {
+        right |= (returns[0] & 1) << ((columns - 1) % CHUNK);
+    }
+    returns[word] & left_of(returns, word, columns, wraps) & right
+}
+
+/// Packed: the pixels that are not on one line with their left neighbour.
+fn cut(columns: usize, wraps: bool, returns: &[u32], turns: &[u32], starts: &mut [u32]) {
+    let last = columns - 1;
+    for (word, out) in starts.iter_mut().enumerate() {
+        let turn_left = left_of(turns, word, columns, wraps);
+        // one column farther: the bit that `left_of` gave the column before
+        let farther = match word.checked_sub(1) {
+            Some(before) => left_of(turns, before, columns, wraps) >> (CHUNK - 1),
+            None if wraps => match last.checked_sub(1) {
+                Some(column) => turns[column / CHUNK] >> (column % CHUNK),
+                None => 0,
+            },
+            None => 0,
+        };
+        let turn_farther = (turn_left << 1) | (farther & 1);
+        let here = turns[word];
+        let step = here & turn_left;
+        let corner = turn_left & !here & !turn_farther;
+        let missing = !(returns[word] & left_of(returns, word, columns, wraps));
+        *out = (step | corner | missing) & mask(word, columns);
+    }
+}
+
+/// Corners that noise hides from short chords, within the pieces that these left.
+fn long_chords(thresholds: &Turns, points: &RowPoints, returns: &[u32], starts: &mut [u32]) {
+    let columns = points.axes[0].len();
+    let mut column = 0;
+    loop {
+        let Some(piece) = runs(returns, starts, columns).from(column).next() else { return };
+        column = piece.end;
+        // the sharpest turn of those next to each other: its 1 - cos, and its pixel
+        let mut sharpest: Option<(f32, usize)> = None;
+        for here in piece.start + 1..piece.end {
+            let room = (here - piece.start).min(piece.end - 1 - here).min(LONGEST_CHORD);
+            let at = |k: usize| thresholds.at(points.at(here - k), points.at(here), points.at(here + k));
+            let mut k = 1;
+            let mut turn = at(k.min(room));
+            while !turn.wide && 2 * k <= room {
+                k *= 2;
+                turn = at(k);
+            }
+            if k > 1 && turn.turns {
+                let sharpness = 1.0 - turn.cos / libm::sqrtf(turn.squares);
+                if sharpest.is_none_or(|(most, _)| sharpness > most) {
+                    sharpest = Some((sharpness, here));
+                }
+            } else if let Some((_, corner)) = sharpest.take() {
+                starts[(corner + 1) / CHUNK] |= 1 << ((corner + 1) % CHUNK);
+            }
+        }
+    }
+}
+
+/// Sets the bits of a run.
+fn set(row: &mut [u32], run: core::ops::Range<usize>) {
+    for column in run {
+        row[column / CHUNK] |= 1 << (column % CHUNK);
+    }
+}
