@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use scanseg_core::{Config, EdgeSegmenter, LabelRow, Segment, Sink};
+use scanseg_core::{Config, EdgeSegmenter, LabelRow, RegionSegmenter, Segment, Sink};
 
 use crate::format::{Geometry, RangeImage};
 use crate::segmentation::{Approach, OwnedMemory, ScanBeams, SegmentationError, check_size};
@@ -58,7 +58,7 @@ impl Timing {
         }
         match approach {
             Approach::Edge => time!(EdgeSegmenter),
-            Approach::Region => time!(EdgeSegmenter),
+            Approach::Region => time!(RegionSegmenter),
         }
         ns_per_point.sort_by(f64::total_cmp);
         Ok(Timing { ns_per_point, segments: consumer.segments })

@@ -17,6 +17,7 @@ fn the_classes_of_all_scenes_are_those_on_record() {
         noises_mm: NOISES_MM.to_vec(),
         runs: runs(set, SCENES, || {}),
         sample: Sample::of(set),
+        rims: vec![],
         costs: vec![],
     };
     let table = |percent| format!("T = 0.{percent}\n\n{}", tables::classes(&results, percent).markdown());

@@ -1,5 +1,7 @@
 //! What a method costs per point as scans of one scene grow.
 
+use std::ops::RangeInclusive;
+
 use super::{METHODS, in_parallel, scan};
 use crate::office::Set;
 use crate::timing::Timing;
@@ -8,8 +10,8 @@ use crate::timing::Timing;
 const SIZES: [(usize, usize); 8] =
     [(75, 135), (110, 198), (160, 289), (233, 421), (340, 614), (496, 896), (723, 1305), (1053, 1900)];
 
-/// Runs of which the median is taken, after one that is not timed.
-pub const ROUNDS: usize = 5;
+/// Rounds of which the median is taken: the more, the smaller the scan.
+pub const ROUNDS: RangeInclusive<usize> = 5..=101;
 
 /// How often [`costs`] calls its `step_done`.
 pub(super) const STEPS: usize = SIZES.len();
@@ -23,7 +25,7 @@ pub struct Cost {
     pub rows: usize,
     /// Columns of the scan.
     pub columns: usize,
-    /// Nanoseconds per point, on one core, median of [`ROUNDS`].
+    /// Nanoseconds per point, on one core, median of so many rounds as [`ROUNDS`] says.
     pub ns_per_point: f64,
 }
 
@@ -46,7 +48,8 @@ pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
     for (scan, geometry, range_noise_m) in &scans {
         for (i, method) in METHODS.iter().enumerate() {
             let config = (method.config)(*range_noise_m);
-            let timing = Timing::of(scan, geometry, method.approach, &config, None, ROUNDS);
+            let rounds = (4_000_000 / scan.range_m.len()).clamp(*ROUNDS.start(), *ROUNDS.end());
+            let timing = Timing::of(scan, geometry, method.approach, &config, None, rounds);
             let ns_per_point = timing.expect("a simulated scan fits").median_ns();
             costs.push(Cost { method: i, rows: scan.rows, columns: scan.columns, ns_per_point });
         }

@@ -19,6 +19,7 @@ pub mod claims;
 pub mod cost;
 pub mod figures;
 pub mod report;
+pub mod rim;
 pub mod sample;
 pub mod tables;
 
@@ -36,6 +37,7 @@ use crate::hoover::Overlaps;
 use crate::office::{Scene, Sensor, Set};
 use crate::segmentation::{Approach, Segmentation};
 use cost::Cost;
+use rim::Rim;
 use sample::Sample;
 
 /// A way to segment, as it appears in the figures.
@@ -56,7 +58,7 @@ pub const EDGE: &str = "edge-based";
 pub const REGION: &str = "region-based";
 
 /// The methods compared; one more is one entry more.
-pub const METHODS: [Method; 2] = [
+pub const METHODS: &[Method] = &[
     Method { name: EDGE, approach: Approach::Edge, config: paper },
     Method { name: REGION, approach: Approach::Region, config: paper },
 ];
@@ -152,6 +154,8 @@ pub struct Results {
     pub runs: Vec<Run>,
     /// The scene of Fig. 6.
     pub sample: Sample,
+    /// What a rim of edges alone would cost, at the tolerance of [`claims::COMPARED_AT`].
+    pub rims: Vec<Rim>,
     /// By method, then size.
     pub costs: Vec<Cost>,
 }
@@ -162,9 +166,10 @@ impl Results {
     pub fn of(set: Set, scenes: u32, step_done: impl Fn() + Sync) -> Results {
         let runs = runs(set, scenes, &step_done);
         let sample = Sample::of(set);
+        let rims = rim::rims(set, scenes, claims::COMPARED_AT);
         let costs = cost::costs(set, step_done);
         let methods = METHODS.iter().map(|method| method.name).collect();
-        Results { set, scenes, methods, noises_mm: NOISES_MM.to_vec(), runs, sample, costs }
+        Results { set, scenes, methods, noises_mm: NOISES_MM.to_vec(), runs, sample, rims, costs }
     }
 
     /// How many steps an experiment has, for a progress bar.

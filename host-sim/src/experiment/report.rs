@@ -95,12 +95,13 @@ fn what(results: &Results) -> String {
          <p>Methods: {}. The paper’s two, {EDGE} and {REGION}, have the settings of <code>Config::paper()</code>, with \
          <code>range_noise_m</code> that of the scanner, at least 1 mm.</p>\n\
          <p>Classes are those of Hoover et al. (1996): a segment is a correct detection of a truth region if they share the \
-         part T or more of both. Cost: median of {} runs of the core alone on one processor core, from ranges in memory to labels \
+         part T or more of both. Cost: median of {} to {} rounds of the core alone on one processor core, from ranges in memory to labels \
          and planes, on scans whose noise is 3 % of the distance between points at 4 m.</p>",
         results.scenes,
         noises.join(", "),
         results.methods.join(", "),
-        cost::ROUNDS
+        cost::ROUNDS.start(),
+        cost::ROUNDS.end()
     )
 }
 
