@@ -56,55 +56,66 @@ pub(crate) fn store<T: Copy>(row: &mut [T], from: usize, chunk: &[T]) {
     }
 }
 
-/// The runs of a packed row, from the left: set bits next to each other, of which each bit of `starts` begins a new run.
+/// The runs of a packed row, from the left: set bits next to each other. With `TOUCH` each bit of `starts` begins a new run.
 #[derive(Clone)]
-pub(crate) struct Runs<'a> {
+pub(crate) struct Runs<'a, const TOUCH: bool> {
     words: &'a [u32],
     starts: &'a [u32],
     column: usize,
     columns: usize,
 }
 
-/// Iterates over the runs of a packed row. `starts` may be empty: then no two runs touch.
-pub(crate) fn runs<'a>(words: &'a [u32], starts: &'a [u32], columns: usize) -> Runs<'a> {
+/// Iterates over the runs of set bits of a packed row.
+pub(crate) fn runs(words: &[u32], columns: usize) -> Runs<'_, false> {
+    Runs { words, starts: &[], column: 0, columns }
+}
+
+/// Iterates over the runs of a packed row that may touch. Where `starts` is empty they do not.
+pub(crate) fn touching_runs<'a>(words: &'a [u32], starts: &'a [u32], columns: usize) -> Runs<'a, true> {
     Runs { words, starts, column: 0, columns }
 }
 
-impl Runs<'_> {
+impl<const TOUCH: bool> Runs<'_, TOUCH> {
     /// The runs from a column on.
     pub fn from(mut self, column: usize) -> Self {
         self.column = column;
         self
     }
 
-    /// First column from `from` on where a run begins, or, for `end`, where one ends; `columns` if there is none.
-    #[inline(always)]
-    fn seek(&self, from: usize, end: bool) -> usize {
-        let mut word = from / CHUNK;
-        let mut keep = u32::MAX << (from % CHUNK);
+    /// First column from `self.column` on whose bit differs from those of `invert`, or, with `TOUCH`, that begins a run;
+    /// `columns` if there is none.
+    fn seek(&mut self, invert: u32) {
+        let mut word = self.column / CHUNK;
+        let mut keep = u32::MAX << (self.column % CHUNK);
         while let Some(&bits) = self.words.get(word) {
-            let bits = if end { !bits | self.starts.get(word).copied().unwrap_or(0) } else { bits };
-            let found = bits & keep;
+            let mut found = bits ^ invert;
+            if TOUCH && invert != 0 {
+                found |= self.starts.get(word).copied().unwrap_or(0);
+            }
+            found &= keep;
             if found != 0 {
-                return (word * CHUNK + found.trailing_zeros() as usize).min(self.columns);
+                self.column = (word * CHUNK + found.trailing_zeros() as usize).min(self.columns);
+                return;
             }
             keep = u32::MAX;
             word += 1;
         }
-        self.columns
+        self.column = self.columns;
     }
 }
 
-impl Iterator for Runs<'_> {
+impl<const TOUCH: bool> Iterator for Runs<'_, TOUCH> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
-        let start = self.seek(self.column, false);
+        self.seek(0);
+        let start = self.column;
         if start == self.columns {
-            self.column = start;
             return None;
         }
-        self.column = self.seek(start + 1, true);
+        // its own first bit does not end it
+        self.column += usize::from(TOUCH);
+        self.seek(u32::MAX);
         Some(start..self.column)
     }
 }

@@ -120,7 +120,7 @@ impl<'a> EdgeRow<'a> {
 
     /// The runs of edge pixels, from the left.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> + 'a {
-        bits::runs(self.words, &[], self.columns)
+        bits::runs(self.words, self.columns)
     }
 }
 
@@ -153,7 +153,9 @@ impl<'a> LabelRow<'a> {
     /// edge-based approach no two touch; of the region-based one each is a line.
     pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, Option<Label>)> + 'a {
         let labels = self.labels;
-        bits::runs(self.areas, self.starts, self.columns).enumerate().map(move |(i, run)| (run, labels.of_run(i)))
+        bits::touching_runs(self.areas, self.starts, self.columns)
+            .enumerate()
+            .map(move |(i, run)| (run, labels.of_run(i)))
     }
 
     /// All pixels, from the left.

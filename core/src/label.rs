@@ -12,7 +12,6 @@
 
 use core::ops::{ControlFlow, Range};
 
-use crate::bits::Runs;
 use crate::event::{Join, Label, Segment, Sink};
 use crate::plane::{Moments, exact_points};
 
@@ -81,11 +80,11 @@ impl Area {
     }
 }
 
-/// No area can take a run better than so.
-pub(crate) const BEST: u32 = u32::MAX;
-
 /// How an approach lets areas grow, run by run.
 pub(crate) trait Growth {
+    /// Whether areas take every run that touches them, so that those of a run are one.
+    const TAKES_ALL: bool = false;
+
     /// The next run of the row.
     fn begin(&mut self, run: &Range<usize>) {
         let _ = run;
@@ -95,7 +94,7 @@ pub(crate) trait Growth {
     /// it best, and of equal ones the first, gets it.
     fn takes(&mut self, area: &Area) -> Option<u32> {
         let _ = area;
-        Some(BEST)
+        Some(0)
     }
 
     /// Whether the area that got the run and another one that it touches are one.
@@ -161,13 +160,13 @@ impl<'a> Labels<'a> {
 
     /// Labels one row. `previous` and `current` are the runs of the row before and of this row; `seam`: the last run
     /// neighbours the first across the seam of an image that wraps. Returns the number of pixels that got no label.
-    pub fn label_row<S: Sink>(
+    pub fn label_row<S: Sink, G: Growth>(
         &mut self,
         row: usize,
-        previous: Runs,
-        current: Runs,
+        previous: impl Iterator<Item = Range<usize>> + Clone,
+        current: impl Iterator<Item = Range<usize>>,
         seam: bool,
-        growth: &mut impl Growth,
+        growth: &mut G,
         sink: &mut S,
     ) -> ControlFlow<(), u32> {
         self.row = row as u16;
@@ -179,14 +178,17 @@ impl<'a> Labels<'a> {
             while above.next_if(|a| a.end <= run.start).is_some() {
                 self.drop_run(sink)?;
             }
-            let mut slot = self.choose(above.clone(), &run, growth);
+            let mut slot = if G::TAKES_ALL { NONE } else { self.choose(above.clone(), &run, growth) };
             if slot != NONE {
                 self.area(slot).runs += 1;
             }
             while let Some(a) = above.peek().filter(|a| a.start < run.end) {
                 let more = a.end > run.end;
                 let root = self.root(self.entry(0));
-                if slot != NONE && root != slot && root != NONE && growth.joins(self.get(slot), self.get(root)) {
+                if slot == NONE && G::TAKES_ALL && root != NONE {
+                    slot = root;
+                    self.area(slot).runs += 1;
+                } else if slot != NONE && root != slot && root != NONE && growth.joins(self.get(slot), self.get(root)) {
                     self.join(slot, root, sink)?;
                 }
                 if more {
@@ -247,9 +249,6 @@ impl<'a> Labels<'a> {
             }
             if let Some(well) = growth.takes(self.get(root)).filter(|&well| best == NONE || well > how_well) {
                 (best, how_well) = (root, well);
-                if well == BEST {
-                    break;
-                }
             }
         }
         best

@@ -29,15 +29,12 @@
 //!
 //! Nothing is fitted, and lines are not merged within a row.
 
-use crate::bits::{CHUNK, mask, pack, runs};
+use crate::bits::{CHUNK, mask, pack, store, touching_runs};
 use crate::config::Config;
 
 /// Standard deviations that a turn must be beyond the noise. Few: a line broken once too often still joins its region in
 /// two parts, while one that goes on beyond a corner joins none.
 const TURN_SIGMAS: f32 = 1.75;
-
-/// The longest chord, pixels.
-const LONGEST_CHORD: usize = 16;
 
 /// Thresholds of the lines.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +56,7 @@ impl Turns {
         Self { cos_square: cos * cos, noise_square_m2, reach_square_m2: 4.0 * noise_square_m2 / (sin * sin) }
     }
 
-    /// What the points of three pixels say.
+    /// What the points of three pixels say. Also for points that are missing, but then it says nothing.
     #[inline(always)]
     fn at(&self, before: [f32; 3], here: [f32; 3], after: [f32; 3]) -> Turn {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -72,8 +69,11 @@ impl Turns {
         let across = (dot(span, span) * range_square - deep * deep).max(0.0);
         let turned = (ab < 0.0) | (ab * ab < self.cos_square * squares);
         let beyond_noise = (squares - ab * ab) * range_square > self.noise_square_m2 * across;
-        let wide = 0.25 * across >= self.reach_square_m2 * range_square;
-        Turn { turns: turned & beyond_noise, wide, cos: ab, squares }
+        // a chord that is k times as long reaches k times as far across the beam
+        let (reached, reach) = (0.25 * across, self.reach_square_m2 * range_square);
+        let short = [1.0, 4.0, 16.0, 64.0].map(|k_square| u16::from(k_square * reached < reach));
+        let doublings = short[0] + short[1] + short[2] + short[3];
+        Turn { turns: turned & beyond_noise, doublings, cos: ab, squares }
     }
 }
 
@@ -81,8 +81,8 @@ impl Turns {
 struct Turn {
     /// Whether a line ends here.
     turns: bool,
-    /// Whether the chords are long enough for the noise.
-    wide: bool,
+    /// How often the length of the chords has to be doubled for the noise, 0 to 4.
+    doublings: u16,
     /// The cosine of the angle, times the lengths of the chords.
     cos: f32,
     /// Product of the squared lengths of the chords.
@@ -107,38 +107,46 @@ impl RowPoints<'_> {
 pub(crate) const MIN_LINE_PIXELS: usize = 2;
 
 /// Finds the lines of a row: `lines` gets their pixels, `starts` the first pixel of each, both packed. `returns` are the
-/// packed pixels with a return; `turns` is scratch, a packed row. Gives whether the last line goes on with the first
-/// across the seam.
+/// packed pixels with a return; `turns`, a packed row, and `doublings`, one per column, are scratch. Gives
+/// whether the last line goes on with the first across the seam.
 pub(crate) fn find_lines(
     thresholds: &Turns,
     points: &RowPoints,
     wraps: bool,
     returns: &[u32],
+    doublings: &mut [u16],
     turns: &mut [u32],
     starts: &mut [u32],
     lines: &mut [u32],
 ) -> bool {
     let columns = points.axes[0].len();
-    let wide = turn_bits(thresholds, points, wraps, returns, turns);
+    let longer = turn_bits(thresholds, points, wraps, returns, doublings, turns);
     cut(columns, wraps, returns, turns, starts);
-    if !wide {
-        long_chords(thresholds, points, returns, starts);
+    if longer {
+        long_chords(thresholds, points, returns, doublings, starts);
     }
     let last = columns - 1;
     let at = |bits: &[u32], column: usize| bits[column / CHUNK] >> (column % CHUNK) & 1 == 1;
     let seam = wraps && !at(starts, 0);
     starts[0] |= 1;
     lines.fill(0);
-    for line in runs(returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
+    for line in touching_runs(returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
         set(lines, line);
     }
     seam && at(lines, 0) && at(lines, last)
 }
 
-/// Packed: the pixels where the chords of the neighbouring pixels turn. Gives whether those chords are long enough.
-fn turn_bits(thresholds: &Turns, points: &RowPoints, wraps: bool, returns: &[u32], turns: &mut [u32]) -> bool {
+/// Packed: the pixels where the chords to the neighbouring pixels turn. Gives whether some of these chords are too short.
+fn turn_bits(
+    thresholds: &Turns,
+    points: &RowPoints,
+    wraps: bool,
+    returns: &[u32],
+    doublings: &mut [u16],
+    turns: &mut [u32],
+) -> bool {
     let columns = points.axes[0].len();
-    let mut all_wide = true;
+    let mut longer = 0;
     let mut halo = [[0.0; CHUNK + 2]; 3];
     for (word, out) in turns.iter_mut().enumerate() {
         let from = word * CHUNK;
@@ -155,17 +163,18 @@ fn turn_bits(thresholds: &Turns, points: &RowPoints, wraps: bool, returns: &[u32
             }
         }
         let [x, y, z] = &halo;
-        let (mut turning, mut narrow) = ([false; CHUNK], [false; CHUNK]);
+        let (mut turning, mut short) = ([false; CHUNK], [0; CHUNK]);
         for i in 0..CHUNK {
             let at = |i: usize| [x[i], y[i], z[i]];
             let turn = thresholds.at(at(i), at(i + 1), at(i + 2));
-            (turning[i], narrow[i]) = (turn.turns, !turn.wide);
+            (turning[i], short[i]) = (turn.turns, turn.doublings);
         }
         let inner = neighbours(returns, word, columns, wraps);
         *out = pack(&turning) & inner;
-        all_wide &= pack(&narrow) & inner == 0;
+        store(doublings, from, &short);
+        longer |= pack(&short.map(|doublings| doublings > 0)) & inner;
     }
-    all_wide
+    longer != 0
 }
 
 /// The word of the row shifted by one column to the right: bit c is bit c - 1.
@@ -213,29 +222,31 @@ fn cut(columns: usize, wraps: bool, returns: &[u32], turns: &[u32], starts: &mut
 }
 
 /// Corners that noise hides from short chords, within the pieces that these left.
-fn long_chords(thresholds: &Turns, points: &RowPoints, returns: &[u32], starts: &mut [u32]) {
+fn long_chords(thresholds: &Turns, points: &RowPoints, returns: &[u32], doublings: &[u16], starts: &mut [u32]) {
     let columns = points.axes[0].len();
     let mut column = 0;
     loop {
-        let Some(piece) = runs(returns, starts, columns).from(column).next() else { return };
+        let Some(piece) = touching_runs(returns, starts, columns).from(column).next() else { return };
         column = piece.end;
         // the sharpest turn of those next to each other: its 1 - cos, and its pixel
         let mut sharpest: Option<(f32, usize)> = None;
         for here in piece.start + 1..piece.end {
-            let room = (here - piece.start).min(piece.end - 1 - here).min(LONGEST_CHORD);
-            let at = |k: usize| thresholds.at(points.at(here - k), points.at(here), points.at(here + k));
-            let mut k = 1;
-            let mut turn = at(k.min(room));
-            while !turn.wide && 2 * k <= room {
-                k *= 2;
-                turn = at(k);
+            let room = (here - piece.start).min(piece.end - 1 - here);
+            let mut k = 1 << doublings[here];
+            while k > room {
+                k /= 2;
             }
-            if k > 1 && turn.turns {
-                let sharpness = 1.0 - turn.cos / libm::sqrtf(turn.squares);
-                if sharpest.is_none_or(|(most, _)| sharpness > most) {
-                    sharpest = Some((sharpness, here));
+            if k > 1 {
+                let turn = thresholds.at(points.at(here - k), points.at(here), points.at(here + k));
+                if turn.turns {
+                    let sharpness = 1.0 - turn.cos / libm::sqrtf(turn.squares);
+                    if sharpest.is_none_or(|(most, _)| sharpness > most) {
+                        sharpest = Some((sharpness, here));
+                    }
+                    continue;
                 }
-            } else if let Some((_, corner)) = sharpest.take() {
+            }
+            if let Some((_, corner)) = sharpest.take() {
                 starts[(corner + 1) / CHUNK] |= 1 << ((corner + 1) % CHUNK);
             }
         }

@@ -16,7 +16,7 @@ use core::ops::Range;
 
 use crate::beam::round;
 use crate::config::Config;
-use crate::label::{Area, BEST, Growth};
+use crate::label::{Area, Growth};
 use crate::line::RowPoints;
 use crate::plane::{Moments, QuickPlane, dot};
 
@@ -31,6 +31,12 @@ const GRAZING_COT: f32 = 19.1;
 /// Points that deviate from a straight line by less than this and one standard deviation of the range have no plane,
 /// metres: the deviation may be all rounding and noise.
 const THIN_M: f32 = 0.001;
+
+/// A region with a plane takes a line better than one without by so much, which no number of points is.
+const PLANAR: u32 = 1 << 31;
+
+/// Of the largest mean square, as much may be rounding in the second: see [`QuickPlane`].
+const ROUNDING: f32 = 4e-6;
 
 /// Lets regions grow.
 pub(crate) struct Regions<'a> {
@@ -66,7 +72,7 @@ impl<'a> Regions<'a> {
     }
 
     fn has_plane(&self, plane: &QuickPlane) -> bool {
-        plane.squares_m2[1] > self.thin_square_m2
+        plane.squares_m2[1] > self.thin_square_m2 + ROUNDING * plane.squares_m2[2]
     }
 
     /// Whether the way from a region without a plane to a point leads along the beam: a step.
@@ -102,7 +108,7 @@ impl Growth for Regions<'_> {
             let common = both.quick_plane()?;
             self.ends_m.iter().all(|end_m| self.near(&common, end_m) && !self.is_step(&plane, end_m))
         };
-        takes.then_some(region.points.min(BEST >> 1) | if planar { 1 << 31 } else { 0 })
+        takes.then_some(region.points.min(PLANAR - 1) | if planar { PLANAR } else { 0 })
     }
 
     fn joins(&mut self, one: &Area, other: &Area) -> bool {

@@ -5,7 +5,7 @@
 use core::ops::ControlFlow;
 
 use crate::beam::{Beams, Fan, POINT_UNIT_M, RowBeam};
-use crate::bits::{CHUNK, load, mask, pack, runs, store, words};
+use crate::bits::{CHUNK, load, mask, pack, store, touching_runs, words};
 use crate::config::Config;
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, Sink};
@@ -46,6 +46,8 @@ pub struct RegionSegmenter<'a> {
     unlabelled: u32,
     /// Points of the row, metres: x, y, z.
     points: &'a mut [f32],
+    /// One per column, for the lines.
+    doublings: &'a mut [u16],
     /// See [`BitRows`].
     bits: &'a mut [u32],
     labels: Labels<'a>,
@@ -65,10 +67,12 @@ impl<'a> RegionSegmenter<'a> {
         let fan = Fan::new(beams, columns)?;
         let needed = memory.check(columns, &config)?;
         let points = &mut memory.ranges[..3 * columns];
+        let doublings = &mut memory.bearings[..columns];
         let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
         let labels = Labels::new(memory.areas, frontier, config.max_range_m);
         let turns = Turns::new(&config);
-        let mut segmenter = Self { config, turns, fan, columns, rows: 0, unlabelled: 0, points, bits, labels };
+        let mut segmenter =
+            Self { config, turns, fan, columns, rows: 0, unlabelled: 0, points, doublings, bits, labels };
         segmenter.reset();
         Ok(segmenter)
     }
@@ -140,13 +144,13 @@ impl<'a> RegionSegmenter<'a> {
         }
         let [above, lines] = lines;
         let [above_starts, starts] = starts;
-        let seam = find_lines(&self.turns, &points, self.fan.wraps(), returns, turns, starts, lines);
+        let seam = find_lines(&self.turns, &points, self.fan.wraps(), returns, self.doublings, turns, starts, lines);
         for (word, edges) in turns.iter_mut().enumerate() {
             *edges = returns[word] & (starts[word] | !lines[word]);
         }
         sink.edges(&EdgeRow { row, columns, words: turns })?;
         let mut regions = Regions::new(&self.config, points);
-        let (above, here) = (runs(above, above_starts, columns), runs(lines, starts, columns));
+        let (above, here) = (touching_runs(above, above_starts, columns), touching_runs(lines, starts, columns));
         let unlabelled = self.labels.label_row(row, above, here, seam, &mut regions, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
         sink.row(&LabelRow { row, columns, returns, areas: lines, starts, labels: &self.labels })?;

@@ -353,7 +353,7 @@ impl<'a> EdgeSegmenter<'a> {
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let last = columns - 1;
         let seam = self.shape.wraps && current[0] & current[last / CHUNK] >> (last % CHUNK) & 1 == 1;
-        let (above, here) = (runs(before, &[], columns), runs(current, &[], columns));
+        let (above, here) = (runs(before, columns), runs(current, columns));
         let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
         sink.row(&LabelRow { row: done, columns, returns, areas: current, starts: &[], labels: &self.labels })?;
@@ -396,6 +396,8 @@ struct RowPoints<'a> {
 }
 
 impl Growth for RowPoints<'_> {
+    const TAKES_ALL: bool = true;
+
     fn moments(&mut self, run: Range<usize>) -> Moments {
         let mut moments = Moments::default();
         let mut column = run.start;

@@ -5,10 +5,11 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use scanseg_core::{
-    Area, Beams, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS,
-    Memory, Pixel, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
+    Area, Beams, Columns, Config, ConfigError, EdgeRow, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS, Memory, Pixel,
+    PushError, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
 };
 
+pub use crate::approach::{Approach, Segmenter};
 use crate::format::{self, Angles, Geometry, GeometryError, Kind, RangeImage};
 
 /// The beams of a scan, as the core wants them: `f32`, radians.
@@ -108,7 +109,7 @@ impl OwnedMemory {
         }
     }
 
-    /// For [`EdgeSegmenter::new`].
+    /// For [`Segmenter::new`].
     pub fn memory(&mut self) -> Memory<'_> {
         Memory {
             ranges: &mut self.ranges,
@@ -117,16 +118,6 @@ impl OwnedMemory {
             areas: &mut self.areas,
         }
     }
-}
-
-/// Which of the paper's two approaches segments a scan.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Approach {
-    /// By edges in bearing-angle images.
-    #[default]
-    Edge,
-    /// By growing regions from the lines of each row.
-    Region,
 }
 
 /// All that the segmentation of a scan gives.
@@ -138,9 +129,9 @@ pub struct Segmentation {
     pub columns: usize,
     /// `rows * columns` labels with all joins applied; 0 in no segment.
     pub labels: Vec<u32>,
-    /// `rows * columns` edges, before the closing.
+    /// `rows * columns` edges, before the closing. Region-based: where lines end, see [`scanseg_core::Sink::edges`].
     pub edges: Vec<bool>,
-    /// `rows * columns` edges, after the closing. A pixel without a return is none.
+    /// `rows * columns` edges, after the closing. Region-based: pixels on no line. A pixel without a return is none.
     pub closed_edges: Vec<bool>,
     /// The segments, the one with the most pixels first; where pixels are equal the lower label first. Segment number n,
     /// counted from 1, is at n - 1.
@@ -174,21 +165,12 @@ impl Segmentation {
             segments: vec![],
             joined_into: vec![],
         };
-        macro_rules! run {
-            ($segmenter:ident) => {{
-                let mut segmenter = $segmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
-                for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-                    segmenter.push_row(row_m, row_rad, &mut collected)?;
-                    row_done();
-                }
-                segmenter.finish(&mut collected)
-            }};
+        let mut segmenter = Segmenter::new(approach, *config, beams.beams(), scan.columns, memory.memory())?;
+        for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
+            segmenter.push_row(row_m, row_rad, &mut collected)?;
+            row_done();
         }
-        let finished = match approach {
-            Approach::Edge => run!(EdgeSegmenter),
-            Approach::Region => run!(RegionSegmenter),
-        };
-        let unlabelled = match finished {
+        let unlabelled = match segmenter.finish(&mut collected) {
             Finished::Complete { unlabelled, .. } => unlabelled,
             Finished::Stopped => unreachable!("the sink never breaks off"),
         };

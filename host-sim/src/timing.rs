@@ -4,10 +4,10 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use scanseg_core::{Config, EdgeSegmenter, LabelRow, RegionSegmenter, Segment, Sink};
+use scanseg_core::{Config, LabelRow, Segment, Sink};
 
 use crate::format::{Geometry, RangeImage};
-use crate::segmentation::{Approach, OwnedMemory, ScanBeams, SegmentationError, check_size};
+use crate::segmentation::{Approach, OwnedMemory, ScanBeams, SegmentationError, Segmenter, check_size};
 
 /// Smaller segments are not asked for their planes.
 const MIN_PIXELS: u32 = 30;
@@ -39,26 +39,18 @@ impl Timing {
         let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
         let mut consumer = Consumer::default();
         let mut ns_per_point = Vec::new();
-        macro_rules! time {
-            ($segmenter:ident) => {{
-                let mut segmenter = $segmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
-                for round in 0..=rounds.max(1) {
-                    consumer.segments = 0;
-                    let started = Instant::now();
-                    for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-                        segmenter.push_row(black_box(row_m), row_rad, &mut consumer)?;
-                    }
-                    black_box(segmenter.finish(&mut consumer));
-                    let ns = started.elapsed().as_secs_f64() * 1e9;
-                    if round > 0 {
-                        ns_per_point.push(ns / scan.range_m.len() as f64);
-                    }
-                }
-            }};
-        }
-        match approach {
-            Approach::Edge => time!(EdgeSegmenter),
-            Approach::Region => time!(RegionSegmenter),
+        let mut segmenter = Segmenter::new(approach, *config, beams.beams(), scan.columns, memory.memory())?;
+        for round in 0..=rounds.max(1) {
+            consumer.segments = 0;
+            let started = Instant::now();
+            for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
+                segmenter.push_row(black_box(row_m), row_rad, &mut consumer)?;
+            }
+            black_box(segmenter.finish(&mut consumer));
+            let ns = started.elapsed().as_secs_f64() * 1e9;
+            if round > 0 {
+                ns_per_point.push(ns / scan.range_m.len() as f64);
+            }
         }
         ns_per_point.sort_by(f64::total_cmp);
         Ok(Timing { ns_per_point, segments: consumer.segments })

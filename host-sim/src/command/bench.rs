@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use scanseg_sim::segmentation::Approach;
 use scanseg_sim::timing::Timing;
 use serde::Serialize;
 
@@ -40,8 +39,9 @@ struct Line {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&scan.geometry);
-    let (max_labels, rounds) = (arguments.options.max_labels(), arguments.repeat as usize);
-    let timing = Timing::of(&scan.ranges, &scan.geometry, Approach::Edge, &config, max_labels, rounds)
+    let (approach, max_labels) = (arguments.options.approach(), arguments.options.max_labels());
+    let rounds = arguments.repeat as usize;
+    let timing = Timing::of(&scan.ranges, &scan.geometry, approach, &config, max_labels, rounds)
         .map_err(|e| in_terms_of_options(&scan.name, e))?;
     let line = Line {
         median_ns_per_point: timing.median_ns(),

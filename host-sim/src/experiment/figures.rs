@@ -135,8 +135,8 @@ fn cost(results: &Results) -> Figure {
     };
     let curves: Vec<_> = (0..results.methods.len()).map(curve).collect();
     let most = results.costs.iter().map(|cost| cost.ns_per_point).fold(0.0, f64::max);
-    let caption = "Time per point over the number of points, one scene in several resolutions, on one core. Level \
-         curves: the cost is linear in the number of points.";
+    let caption = "Time per point over the number of points, one scene in several resolutions, on one core. Where a \
+         curve is level, the cost is linear in the number of points; where it falls, less.";
     let chart = Chart {
         title: caption.to_string(),
         x: Axis {
