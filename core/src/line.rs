@@ -89,13 +89,22 @@ struct Turn {
     squares: f32,
 }
 
-/// The points of a row, metres: x, y, z, one per column.
+/// The points of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct RowPoints<'a> {
+    /// x, y, z in metres, one per column; anything where there is no return.
     pub axes: [&'a [f32]; 3],
+    /// Packed: pixels with a return.
+    pub returns: &'a [u32],
+    /// Whether the last column neighbours the first.
+    pub wraps: bool,
 }
 
 impl RowPoints<'_> {
+    fn columns(&self) -> usize {
+        self.axes[0].len()
+    }
+
     /// The point of a column.
     #[inline(always)]
     pub fn at(&self, column: usize) -> [f32; 3] {
@@ -106,51 +115,41 @@ impl RowPoints<'_> {
 /// Lines shorter than this are none, pixels. Two at least: `label.rs` relies on it.
 pub(crate) const MIN_LINE_PIXELS: usize = 2;
 
-/// Finds the lines of a row: `lines` gets their pixels, `starts` the first pixel of each, both packed. `returns` are the
-/// packed pixels with a return; `turns`, a packed row, and `doublings`, one per column, are scratch. Gives
-/// whether the last line goes on with the first across the seam.
+/// Finds the lines of a row: `lines` gets their pixels, `starts` the first pixel of each, both packed. `turns`, a packed
+/// row, and `doublings`, one per column, are scratch. Gives whether the last line goes on with the first across the seam.
 pub(crate) fn find_lines(
     thresholds: &Turns,
-    points: &RowPoints,
-    wraps: bool,
-    returns: &[u32],
+    row: &RowPoints,
     doublings: &mut [u16],
     turns: &mut [u32],
     starts: &mut [u32],
     lines: &mut [u32],
 ) -> bool {
-    let columns = points.axes[0].len();
-    let longer = turn_bits(thresholds, points, wraps, returns, doublings, turns);
-    cut(columns, wraps, returns, turns, starts);
+    let columns = row.columns();
+    let longer = turn_bits(thresholds, row, doublings, turns);
+    cut(row, turns, starts);
     if longer {
-        long_chords(thresholds, points, returns, doublings, starts);
+        long_chords(thresholds, row, doublings, starts);
     }
     let last = columns - 1;
     let at = |bits: &[u32], column: usize| bits[column / CHUNK] >> (column % CHUNK) & 1 == 1;
-    let seam = wraps && !at(starts, 0);
+    let seam = row.wraps && !at(starts, 0);
     starts[0] |= 1;
     lines.fill(0);
-    for line in touching_runs(returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
+    for line in touching_runs(row.returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
         set(lines, line);
     }
     seam && at(lines, 0) && at(lines, last)
 }
 
 /// Packed: the pixels where the chords to the neighbouring pixels turn. Gives whether some of these chords are too short.
-fn turn_bits(
-    thresholds: &Turns,
-    points: &RowPoints,
-    wraps: bool,
-    returns: &[u32],
-    doublings: &mut [u16],
-    turns: &mut [u32],
-) -> bool {
-    let columns = points.axes[0].len();
+fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: &mut [u32]) -> bool {
+    let (columns, wraps) = (row.columns(), row.wraps);
     let mut longer = 0;
     let mut halo = [[0.0; CHUNK + 2]; 3];
     for (word, out) in turns.iter_mut().enumerate() {
         let from = word * CHUNK;
-        for (halo, axis) in halo.iter_mut().zip(points.axes) {
+        for (halo, axis) in halo.iter_mut().zip(row.axes) {
             *halo = [0.0; CHUNK + 2];
             let inside = from.saturating_sub(1)..columns.min(from + CHUNK + 1);
             let shift = usize::from(from == 0);
@@ -169,7 +168,7 @@ fn turn_bits(
             let turn = thresholds.at(at(i), at(i + 1), at(i + 2));
             (turning[i], short[i]) = (turn.turns, turn.doublings);
         }
-        let inner = neighbours(returns, word, columns, wraps);
+        let inner = neighbours(row.returns, word, columns, wraps);
         *out = pack(&turning) & inner;
         store(doublings, from, &short);
         longer |= pack(&short.map(|doublings| doublings > 0)) & inner;
@@ -199,7 +198,8 @@ fn neighbours(returns: &[u32], word: usize, columns: usize, wraps: bool) -> u32 
 }
 
 /// Packed: the pixels that are not on one line with their left neighbour.
-fn cut(columns: usize, wraps: bool, returns: &[u32], turns: &[u32], starts: &mut [u32]) {
+fn cut(row: &RowPoints, turns: &[u32], starts: &mut [u32]) {
+    let (columns, wraps, returns) = (row.columns(), row.wraps, row.returns);
     let last = columns - 1;
     for (word, out) in starts.iter_mut().enumerate() {
         let turn_left = left_of(turns, word, columns, wraps);
@@ -222,22 +222,21 @@ fn cut(columns: usize, wraps: bool, returns: &[u32], turns: &[u32], starts: &mut
 }
 
 /// Corners that noise hides from short chords, within the pieces that these left.
-fn long_chords(thresholds: &Turns, points: &RowPoints, returns: &[u32], doublings: &[u16], starts: &mut [u32]) {
-    let columns = points.axes[0].len();
+fn long_chords(thresholds: &Turns, row: &RowPoints, doublings: &[u16], starts: &mut [u32]) {
     let mut column = 0;
     loop {
-        let Some(piece) = touching_runs(returns, starts, columns).from(column).next() else { return };
+        let Some(piece) = touching_runs(row.returns, starts, row.columns()).from(column).next() else { return };
         column = piece.end;
         // the sharpest turn of those next to each other: its 1 - cos, and its pixel
         let mut sharpest: Option<(f32, usize)> = None;
-        for here in piece.start + 1..piece.end {
+        for (here, doublings) in doublings.iter().enumerate().take(piece.end).skip(piece.start + 1) {
             let room = (here - piece.start).min(piece.end - 1 - here);
-            let mut k = 1 << doublings[here];
+            let mut k = 1 << doublings;
             while k > room {
                 k /= 2;
             }
             if k > 1 {
-                let turn = thresholds.at(points.at(here - k), points.at(here), points.at(here + k));
+                let turn = thresholds.at(row.at(here - k), row.at(here), row.at(here + k));
                 if turn.turns {
                     let sharpness = 1.0 - turn.cos / libm::sqrtf(turn.squares);
                     if sharpest.is_none_or(|(most, _)| sharpness > most) {

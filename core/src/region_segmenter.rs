@@ -136,15 +136,15 @@ impl<'a> RegionSegmenter<'a> {
         let columns = self.columns;
         let mut axes = self.points.chunks_exact(columns);
         let mut axis = || axes.next().unwrap_or_default();
-        let points = RowPoints { axes: [axis(), axis(), axis()] };
         let BitRows { returns, turns, mut lines, mut starts } = BitRows::of(self.bits, columns);
+        let points = RowPoints { axes: [axis(), axis(), axis()], returns, wraps: self.fan.wraps() };
         if row.is_multiple_of(2) {
             lines.swap(0, 1);
             starts.swap(0, 1);
         }
         let [above, lines] = lines;
         let [above_starts, starts] = starts;
-        let seam = find_lines(&self.turns, &points, self.fan.wraps(), returns, self.doublings, turns, starts, lines);
+        let seam = find_lines(&self.turns, &points, self.doublings, turns, starts, lines);
         for (word, edges) in turns.iter_mut().enumerate() {
             *edges = returns[word] & (starts[word] | !lines[word]);
         }
