@@ -239,8 +239,8 @@ fn linear(results: &Results) -> Claim {
     Claim {
         claim: "The cost is linear in the number of points.",
         criterion: format!(
-            "Time goes with points to a power of at most {LINEAR_POWER}. (Less than 1: what a row and a segment cost whatever \
-             their size weighs less in large scans.)"
+            "Time goes with points to a power of at most {LINEAR_POWER}. (Less than 1: what a row, a line or a segment costs \
+             whatever its size weighs less in large scans.)"
         ),
         verdict: Verdict::of(&cases),
         found,

@@ -31,12 +31,10 @@ fn scene(results: &Results) -> Figure {
     let scan = &sample.scan;
     let view = View::of(&sample.geometry, scan.rows, scan.columns);
     let (near_m, far_m) = usual_ranges_m(scan);
-    let labels =
-        |numbers: &dyn Fn(usize) -> u32| {
-            view.picture(scan.rows, scan.columns, |i| {
-                if scan.range_m[i] > 0.0 { label_colour(numbers(i)) } else { NO_RETURN }
-            })
-        };
+    let labels = |label: &dyn Fn(usize) -> u32| {
+        let colour = |i: usize| if scan.range_m[i] > 0.0 { label_colour(label(i)) } else { NO_RETURN };
+        view.picture(scan.rows, scan.columns, colour)
+    };
     let truth = labels(&|i| u32::from(sample.truth[i]));
     let depth = view.picture(scan.rows, scan.columns, |i| match scan.range_m[i] {
         0.0 => NO_RETURN,

@@ -266,3 +266,30 @@ fn in_parallel<T: Send>(count: usize, task: impl Fn(usize) -> T + Sync) -> Vec<T
     done.sort_by_key(|(i, _)| *i);
     done.into_iter().map(|(_, result)| result).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tasks_come_back_in_order() {
+        assert_eq!(in_parallel(500, |i| i * i), (0..500).map(|i| i * i).collect::<Vec<_>>());
+        assert_eq!(in_parallel(0, |i| i), []);
+    }
+
+    #[test]
+    fn runs_are_ordered_and_count_all_scenes() {
+        let done = AtomicUsize::new(0);
+        let runs = runs(Set::Validation, 2, || {
+            done.fetch_add(1, Ordering::Relaxed);
+        });
+        let keys: Vec<_> = runs.iter().map(|run| (run.method, run.noise_mm, run.scene)).collect();
+        assert_eq!(done.into_inner() + cost::STEPS, Results::steps(2));
+        assert_eq!(keys.len(), METHODS.len() * NOISES_MM.len() * 2);
+        assert!(keys.is_sorted_by(|a, b| a < b), "{keys:?}");
+        for run in &runs {
+            assert!(run.in_segments <= run.returns && run.at.len() == 50, "{run:?}");
+            assert!(run.at.iter().all(|c| c.correct + c.over_segmented + c.missed <= c.truth_regions), "{run:?}");
+        }
+    }
+}
