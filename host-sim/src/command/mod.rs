@@ -3,6 +3,7 @@
 mod bench;
 mod demo;
 mod evaluate;
+mod experiment;
 mod lists;
 mod office;
 mod options;
@@ -35,6 +36,7 @@ enum Command {
     Bench(bench::Arguments),
     Evaluate(evaluate::Arguments),
     Office(office::Arguments),
+    Experiment(experiment::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr.
@@ -60,6 +62,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Office(arguments) => office::run(&arguments),
+        Command::Experiment(arguments) => experiment::run(&arguments),
     }
 }
 

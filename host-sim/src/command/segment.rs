@@ -153,7 +153,7 @@ pub fn segment(
 }
 
 /// A bar on stderr; nothing is drawn where that is no terminal.
-fn bar(length: usize) -> ProgressBar {
+pub fn bar(length: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("segmenting {wide_bar} {percent} %, {eta} left");
     ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
