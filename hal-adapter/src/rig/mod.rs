@@ -12,9 +12,9 @@
 //!
 //! No row gets a turn angle that is not known. A telegram makes a row only if the tilt was sampled near its beams, turned
 //! at a plausible rate ([`TiltLimits`]), and goes on where the rows before it were; a scan begins with two rows that agree.
-//! Every other telegram is dropped with its reason, [`Dropped`], and counted in [`Counters`]. An encoder that is wrong by so
-//! little that the rate stays within the limits is believed: between rows that is at most the difference of the limits
-//! times the time.
+//! Every other telegram is dropped with its reason, [`Dropped`], and counted in [`Counters`]. What cannot be seen is an
+//! encoder that is wrong by so little that the rate stays within the limits: by at most the difference between the rate and
+//! a limit, times the time between two rows.
 //!
 //! All beams of a row get the turn angle of the row, its mean. What is left of the tilt's movement within a row is in the
 //! table of [`pairing`](crate::pairing); with one mirror turn per row it is a quarter of that with two.
@@ -161,9 +161,10 @@ impl Place {
         let moved_rad = shorter_way(self.turn_rad - before.turn_rad);
         let moved_rad = if self.rising { moved_rad } else { -moved_rad };
         let time_us = self.start_us.checked_sub(before.start_us)?;
-        let most_rad = limits.max_rate_rad_per_s * 1e-6 * time_us as f32;
+        let time_s = 1e-6 * time_us as f32;
+        let [least_rad, most_rad] = [limits.min_rate_rad_per_s, limits.max_rate_rad_per_s].map(|rate| rate * time_s);
         let goes_on = self.rising == before.rising && time_us <= u64::from(limits.pause_us);
-        (goes_on && moved_rad > 0.0 && moved_rad <= most_rad).then_some(moved_rad)
+        (goes_on && (least_rad..=most_rad).contains(&moved_rad)).then_some(moved_rad)
     }
 }
 

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use scanseg_core::{Finished, LabelRow, PushError, Sink, Status};
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Settings, Trouble, Unit, Variant};
-use scanseg_hal::rig::{Dropped, Rig, RigSink, RowSegmenter, ScanFinished, ScanStarted, TiltLimits};
+use scanseg_hal::rig::{Counters, Dropped, Rig, RigSink, RowSegmenter, ScanFinished, ScanStarted, TiltLimits};
 use scanseg_sim::virtual_rig::{Chain, Motion, scanner_on_tilt};
 
 pub const SETTINGS: Settings = Settings {
@@ -95,7 +95,7 @@ impl RigSink for Seen {
     fn scan_finished(&mut self, scan: &ScanFinished) {
         self.finished.push(*scan);
         assert_eq!(self.started.len(), self.finished.len(), "every scan that ends has begun");
-        assert_eq!(self.started.last().unwrap().number, scan.number);
+        assert_eq!(self.started.last().map(|started| started.number), Some(scan.number));
     }
 
     fn trouble(&mut self, trouble: Trouble) {
@@ -107,6 +107,8 @@ pub struct Bench {
     pub chain: Chain<'static, Notes>,
     pub seen: Seen,
     pub notes: Notes,
+    /// Rows that were checked and forgotten.
+    forgotten: u32,
 }
 
 impl Bench {
@@ -116,7 +118,7 @@ impl Bench {
         let notes = Notes::default();
         let rows_m = Vec::leak(vec![0.0; 2 * COLUMNS]);
         let rig = Rig::new(SETTINGS, LIMITS, notes.clone(), rows_m).expect("rig");
-        Self { chain: Chain::new(SETTINGS, lms, motion, rig), seen: Seen::default(), notes }
+        Self { chain: Chain::new(SETTINGS, lms, motion, rig), seen: Seen::default(), notes, forgotten: 0 }
     }
 
     pub fn run_ms(&mut self, ms: u64) {
@@ -136,23 +138,65 @@ impl Bench {
         }
     }
 
-    /// Every row has its own turn angle, to within an error in radians; rows of a scan follow each other; and the counters
-    /// agree with what was seen.
-    pub fn check_rows(&self, within_rad: f64) {
-        let scans = self.notes.0.borrow();
-        for rows in scans.iter() {
-            for row in rows {
-                let off_rad = (row.turn_rad - row.truth_rad).abs();
-                assert!(off_rad <= within_rad, "{row:?} is off by {off_rad}");
-            }
-            let rising = rows.windows(2).filter(|pair| pair[1].turn_rad > pair[0].turn_rad).count();
-            assert!(rising == 0 || rising + 1 == rows.len(), "a scan goes one way");
+    pub fn counters(&self) -> Counters {
+        self.chain.rig.counters()
+    }
+
+    /// See [`check`].
+    pub fn check(&self, within_rad: f64) {
+        check(&self.counters(), &self.notes, &self.seen, within_rad);
+    }
+
+    /// Checks what was noted since the last time, and forgets it. Returns how many scans are over since.
+    pub fn check_and_forget(&mut self, within_rad: f64) -> usize {
+        check_rows(&self.notes, within_rad);
+        let mut scans = self.notes.0.borrow_mut();
+        let over = scans.len().saturating_sub(1);
+        self.forgotten += scans.iter().map(|rows| rows.len() as u32).sum::<u32>();
+        scans.iter_mut().for_each(Vec::clear);
+        scans.truncate(1);
+        drop(scans);
+        let counters = self.counters();
+        assert_eq!(counters.rows, self.forgotten);
+        assert!(counters.telegrams - counters.rows - counters.dropped() <= 1, "{counters:?}");
+        let still = self.seen.started.len() - self.seen.finished.len();
+        self.seen.started.drain(..self.seen.started.len() - still);
+        self.seen.finished.clear();
+        self.seen.dropped.clear();
+        self.seen.troubles.clear();
+        over
+    }
+}
+
+/// Every row has its own turn angle, to within an error in radians, and rows of a scan follow each other.
+pub fn check_rows(notes: &Notes, within_rad: f64) {
+    for rows in notes.0.borrow().iter() {
+        for row in rows {
+            let off_rad = (row.turn_rad - row.truth_rad).abs();
+            assert!(off_rad <= within_rad, "{row:?} is off by {off_rad}");
         }
-        let counters = self.chain.rig.counters();
-        assert_eq!(counters.rows as usize, scans.iter().map(Vec::len).sum::<usize>());
-        assert_eq!(counters.scans as usize, self.seen.started.len());
-        assert_eq!(counters.dropped() as usize, self.seen.dropped.len());
-        let held = counters.telegrams - counters.rows - counters.dropped();
-        assert!(held <= 1, "{counters:?}");
+        let rising = rows.windows(2).filter(|pair| pair[1].turn_rad > pair[0].turn_rad).count();
+        assert!(rising == 0 || rising + 1 == rows.len(), "a scan goes one way");
+    }
+}
+
+/// [`check_rows`], and the counters agree with what was seen.
+pub fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
+    check_rows(notes, within_rad);
+    assert_eq!(counters.rows as usize, notes.0.borrow().iter().map(Vec::len).sum::<usize>());
+    assert_eq!(counters.scans as usize, seen.started.len());
+    assert_eq!(counters.dropped() as usize, seen.dropped.len());
+    assert_eq!(counters.troubles as usize, seen.troubles.len());
+    let held = counters.telegrams - counters.rows - counters.dropped();
+    assert!(held <= 1, "{counters:?}");
+}
+
+/// Chance, the same in every run.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % bound
     }
 }

@@ -1,0 +1,296 @@
+//! What a scanner and its tilt said, with the times: a capture. Text, one event a line:
+//!
+//! ```text
+//! scanseg capture 1
+//! scanner baud 500000 columns 181 unit_mm 1 mode 6 interlaced false
+//! limits 0.3 0.9 inf 1000000
+//! tilt 1000000 0.25
+//! tilt failed
+//! bytes 1014000 0280760...
+//! ```
+//!
+//! - `scanner`: [`Settings`]; the mode by its code.
+//! - `limits`: [`TiltLimits`] in the order of the fields.
+//! - `tilt`: microseconds, turn angle in radians; or that the encoder gave none.
+//! - `bytes`: microseconds at which the last of them came, the bytes in hexadecimal.
+//!
+//! A raw stream of telegrams has neither settings nor times nor turn angles: [`Capture::of_telegrams`] takes the turn
+//! angles from a geometry file.
+
+use std::error::Error;
+use std::fmt;
+use std::fmt::Write;
+
+use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Settings, Unit, Variant};
+use scanseg_hal::pairing::{Latch, Sweep};
+use scanseg_hal::rig::TiltLimits;
+
+use super::geometry::{Angles, Geometry, Kind};
+
+/// First line of a capture.
+pub const HEAD: &str = "scanseg capture 1";
+
+/// A capture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capture {
+    /// How the scanner was set up.
+    pub settings: Settings,
+    /// How its tilt moved.
+    pub limits: TiltLimits,
+    /// What came, in order.
+    pub events: Vec<Came>,
+}
+
+/// One event of a capture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Came {
+    /// A sample of the tilt, or `None` if it failed.
+    Tilt(Option<Latch>),
+    /// Bytes of the scanner.
+    Bytes {
+        /// When the last of them came.
+        time_us: u64,
+        /// The bytes.
+        bytes: Vec<u8>,
+    },
+}
+
+/// Why bytes are no capture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CaptureError {
+    /// A line that is not as it should be, counted from 1.
+    Line(usize),
+    /// The settings are missing or none that a scanner has.
+    Settings,
+    /// There is no scan telegram in a raw stream.
+    NoTelegram,
+    /// The geometry is not that of a nodding scanner with so many columns.
+    Geometry {
+        /// Columns of the first scan.
+        columns: u16,
+    },
+}
+
+impl fmt::Display for CaptureError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line} is not understood"),
+            Self::Settings => write!(f, "settings of the scanner are missing or wrong"),
+            Self::NoTelegram => write!(f, "no scan of an LMS 2xx in it"),
+            Self::Geometry { columns } => {
+                write!(f, "scans of {columns} columns need the geometry of a nodding scanner with as many")
+            }
+        }
+    }
+}
+
+impl Error for CaptureError {}
+
+impl Capture {
+    /// Without events.
+    #[must_use]
+    pub fn new(settings: Settings, limits: TiltLimits) -> Capture {
+        Capture { settings, limits, events: vec![] }
+    }
+
+    /// As text.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let Settings { baud, variant, unit, mode, interlaced } = self.settings;
+        let (baud, columns, unit_mm, mode) = (baud.bits_per_s(), variant.columns(), unit.mm(), mode.code());
+        let TiltLimits { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us } = self.limits;
+        let mut text = format!(
+            "{HEAD}\nscanner baud {baud} columns {columns} unit_mm {unit_mm} mode {mode} interlaced {interlaced}\n\
+             limits {min} {max} {sweep_rad} {pause_us}\n"
+        );
+        for came in &self.events {
+            match came {
+                Came::Tilt(Some(Latch { turn_rad, time_us })) => _ = writeln!(text, "tilt {time_us} {turn_rad}"),
+                Came::Tilt(None) => text += "tilt failed\n",
+                Came::Bytes { time_us, bytes } => {
+                    _ = write!(text, "bytes {time_us} ");
+                    bytes.iter().for_each(|byte| _ = write!(text, "{byte:02X}"));
+                    text.push('\n');
+                }
+            }
+        }
+        text
+    }
+
+    /// Reads the text of a capture.
+    ///
+    /// # Errors
+    /// [`CaptureError::Line`] or [`CaptureError::Settings`].
+    pub fn parse(text: &str) -> Result<Capture, CaptureError> {
+        let (mut settings, mut limits, mut events) = (None, None, vec![]);
+        for (number, line) in (1..).zip(text.lines()) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let understood = match words[..] {
+                _ if number == 1 => line == HEAD,
+                [] => true,
+                ["scanner", "baud", baud, "columns", columns, "unit_mm", unit_mm, "mode", mode, "interlaced", i] => {
+                    settings = self::settings(baud, columns, unit_mm, mode, i);
+                    settings.is_some()
+                }
+                ["limits", min, max, sweep, pause] => {
+                    limits = self::limits(min, max, sweep, pause);
+                    limits.is_some()
+                }
+                _ => {
+                    let event = event(&words);
+                    let understood = event.is_some();
+                    events.extend(event);
+                    understood
+                }
+            };
+            if !understood {
+                return Err(CaptureError::Line(number));
+            }
+        }
+        let (settings, limits) = settings.zip(limits).ok_or(CaptureError::Settings)?;
+        Ok(Capture { settings, limits, events })
+    }
+
+    /// Makes a capture of a raw stream of telegrams: as if they had come at 38 400 Bd, one after the other, and row r, by
+    /// its place in the stream, had been measured at turn angle r of the geometry. So a damaged telegram costs its own row
+    /// only. `range_bits` is 13 to 16, see [`MeasuringMode::range_bits`].
+    ///
+    /// # Errors
+    /// [`CaptureError::NoTelegram`] or [`CaptureError::Geometry`].
+    pub fn of_telegrams(raw: &[u8], geometry: &Geometry, range_bits: u32) -> Result<Capture, CaptureError> {
+        let (first, settings, sweep, length) = first_scan(raw, range_bits).ok_or(CaptureError::NoTelegram)?;
+        let columns = settings.variant.columns();
+        let Kind::Nodding { turn_deg, .. } = &geometry.kind else { return Err(CaptureError::Geometry { columns }) };
+        if geometry.fits(rows(turn_deg), columns.into()).is_err() {
+            return Err(CaptureError::Geometry { columns });
+        }
+        let period_us = u64::from(settings.period_us());
+        let half_turn_rad_per_s = std::f32::consts::PI * 1e6 / period_us as f32;
+        let limits = TiltLimits {
+            min_rate_rad_per_s: 1e-6,
+            max_rate_rad_per_s: 0.99 * half_turn_rad_per_s,
+            sweep_rad: f32::INFINITY,
+            pause_us: 100 * settings.period_us(),
+        };
+        let mut capture = Capture::new(settings, limits);
+        // The row before the first, so that the first has a rate.
+        let telegrams = raw[first..].chunks(length);
+        let before = 2.0 * turn_deg.at(0) - turn_deg.at(1.min(rows(turn_deg) - 1));
+        let known = (0..telegrams.len().min(rows(turn_deg))).map(|row| turn_deg.at(row));
+        let mut turns = std::iter::once(before).chain(known);
+        let mut sample = |at: u64| {
+            let time_us = (at + 1) * period_us + u64::from(settings.baud.line_time_us(1)) - sweep.mean_age_us() as u64;
+            let latch = turns.next().map(|deg| Latch { turn_rad: deg.to_radians() as f32, time_us });
+            latch.map(|latch| Came::Tilt(Some(latch)))
+        };
+        capture.events.extend(sample(0));
+        for (at, telegram) in (1..).zip(telegrams) {
+            capture.events.extend(sample(at));
+            for (piece, bytes) in telegram.chunks(64).enumerate() {
+                let sent = (64 * piece + bytes.len()) as u32;
+                let time_us = (at + 1) * period_us + u64::from(settings.baud.line_time_us(sent));
+                capture.events.push(Came::Bytes { time_us, bytes: bytes.to_vec() });
+            }
+        }
+        Ok(capture)
+    }
+}
+
+/// Rows that a geometry can have.
+fn rows(turn_deg: &Angles) -> usize {
+    match turn_deg {
+        Angles::Even { .. } => usize::from(u16::MAX),
+        Angles::Listed(list) => list.len(),
+    }
+}
+
+/// Where the first scan of a raw stream begins, what it tells of the settings, when its beams were measured, and its length
+/// in bytes.
+fn first_scan(raw: &[u8], range_bits: u32) -> Option<(usize, Settings, Sweep, usize)> {
+    let mode = [
+        MeasuringMode::Range8Fields,
+        MeasuringMode::Range16Fields,
+        MeasuringMode::Range32Field,
+        MeasuringMode::Range32Immediate,
+    ]
+    .into_iter()
+    .find(|mode| mode.range_bits() == range_bits)?;
+    let (mut decoder, mut used) = (Decoder::new(), 0);
+    loop {
+        let fed = decoder.feed(&raw[used..]);
+        used += fed.used;
+        match fed.event {
+            Event::NeedMore => return None,
+            Event::Telegram { .. } => {
+                let telegram = decoder.telegram()?;
+                // Code, status, header and check word.
+                let length = telegram.data().len() + 2 + 4 + 2;
+                if let Some(scan) = telegram.scan().filter(|scan| scan.first_column() == 0) {
+                    let interlaced = scan.partial_quarter().is_some();
+                    let variant = variant(scan.columns())?;
+                    let settings = Settings { baud: Baud::B38400, variant, unit: scan.unit(), mode, interlaced };
+                    // Whatever `used` is, the telegram lies before it: its bytes are not repeated.
+                    let first = raw[..used]
+                        .windows(length)
+                        .rposition(|bytes| bytes[0] == 0x02 && bytes[5..length - 3] == *telegram.data())?;
+                    return Some((first, settings, Sweep::of(&scan, variant), length));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn variant(columns: u16) -> Option<Variant> {
+    [Variant::Deg100Step1, Variant::Deg100Step05, Variant::Deg100Step025, Variant::Deg180Step1, Variant::Deg180Step05]
+        .into_iter()
+        .find(|variant| variant.columns() == columns)
+}
+
+fn settings(baud: &str, columns: &str, unit_mm: &str, mode: &str, interlaced: &str) -> Option<Settings> {
+    let (baud, unit_mm, mode): (u32, u32, u8) = (baud.parse().ok()?, unit_mm.parse().ok()?, mode.parse().ok()?);
+    let modes = [
+        MeasuringMode::Range8Fields,
+        MeasuringMode::Range8Reflector,
+        MeasuringMode::Range8FieldsAbc,
+        MeasuringMode::Range16Reflector,
+        MeasuringMode::Range16Fields,
+        MeasuringMode::Range32Reflector,
+        MeasuringMode::Range32Field,
+        MeasuringMode::Range32Immediate,
+    ];
+    Some(Settings {
+        baud: Baud::ALL.into_iter().find(|rate| rate.bits_per_s() == baud)?,
+        variant: variant(columns.parse().ok()?)?,
+        unit: [Unit::Centimetre, Unit::Millimetre, Unit::Decimetre].into_iter().find(|unit| unit.mm() == unit_mm)?,
+        mode: modes.into_iter().find(|known| known.code() == mode)?,
+        interlaced: interlaced.parse().ok()?,
+    })
+}
+
+fn limits(min: &str, max: &str, sweep: &str, pause: &str) -> Option<TiltLimits> {
+    Some(TiltLimits {
+        min_rate_rad_per_s: min.parse().ok()?,
+        max_rate_rad_per_s: max.parse().ok()?,
+        sweep_rad: sweep.parse().ok()?,
+        pause_us: pause.parse().ok()?,
+    })
+}
+
+fn event(words: &[&str]) -> Option<Came> {
+    Some(match words {
+        ["tilt", "failed"] => Came::Tilt(None),
+        ["tilt", time_us, turn_rad] => {
+            Came::Tilt(Some(Latch { turn_rad: turn_rad.parse().ok()?, time_us: time_us.parse().ok()? }))
+        }
+        ["bytes", time_us, hex] => Came::Bytes { time_us: time_us.parse().ok()?, bytes: from_hex(hex)? },
+        _ => return None,
+    })
+}
+
+fn from_hex(hex: &str) -> Option<Vec<u8>> {
+    let digit = |byte: u8| char::from(byte).to_digit(16).map(|digit| digit as u8);
+    let (pairs, rest) = hex.as_bytes().as_chunks::<2>();
+    let bytes = pairs.iter().map(|&[high, low]| Some(digit(high)? << 4 | digit(low)?)).collect();
+    if rest.is_empty() { bytes } else { None }
+}
