@@ -76,7 +76,7 @@ fn every_whole_telegram_is_used() {
                     }
                     Burst => {
                         came.push(random.below(256) as u8);
-                        whole[telegram] = false;
+                        whole[telegram] &= came.last() == Some(&byte);
                         burst = if burst == 0 { 60 } else { burst - 1 };
                     }
                 }
@@ -87,7 +87,7 @@ fn every_whole_telegram_is_used() {
                 rig.receive(&mut session, &came, time_us, &mut seen);
             }
         }
-        whole.pop();
+        whole.truncate(sent / TELEGRAM);
         // Nothing is left in the decoder.
         rig.receive(&mut session, &[0; 1000], 30_000_000, &mut seen);
         rig.finish(&mut seen);
@@ -95,15 +95,14 @@ fn every_whole_telegram_is_used() {
         let counters = rig.counters();
         println!("{damage:?} in 1 of {one_in}: {count} of {} whole; {counters:?}", whole.len());
         assert!(count >= 30 && counters.telegrams >= count, "all that were whole");
-        assert!(
-            counters.telegrams <= count + 1,
-            "no damaged ones, but for the odd one that the check word lets through"
-        );
+        // Of two flipped bits the check word misses one pattern in a thousand.
+        assert!(counters.telegrams <= count + if matches!(damage, Flip) { 3 } else { 0 });
         let first = whole.iter().position(|&whole| whole).unwrap();
         let last = whole.iter().rposition(|&whole| whole).unwrap();
         assert_eq!(counters.telegrams + counters.lost, (last - first + 1) as u32, "what is lost is counted");
         check(&counters, &notes, &seen, EXACT_RAD);
-        assert_eq!(counters.telegrams, counters.rows + counters.alone, "the tilt is known all the time");
+        assert!((counters.no_turn, counters.jump, counters.standing) <= (1, 0, 0), "the tilt is known all the time");
+        assert!(counters.status <= 1, "a damaged one that the check word let through");
         assert!(counters.alone <= 2 * counters.scans + 10, "{counters:?}");
     }
 }
@@ -164,14 +163,13 @@ fn encoder_stuck_and_dead() {
             EncoderFault::Stuck => (counters.standing, ms * 75 / 1000),
             _ => (counters.no_turn, ms * 75 / 1000),
         };
-        assert!((rows as u32 - 4..=rows as u32 + 1).contains(&flagged), "{rows} rows");
+        assert!((rows as u32 - 2..=rows as u32 + 2).contains(&flagged), "{rows} rows");
         assert_eq!(counters.encoder_errors > 0, fault == EncoderFault::Dead);
         // A pause of more than a second ends the scan.
         let ends: Vec<_> = bench.seen.finished.iter().map(|scan| scan.end).collect();
         assert_eq!(ends[2], if ms > 1000 { End::Pause } else { End::Turned });
         assert_eq!(bench.seen.finished.last().unwrap().rows, SWEEP_ROWS, "the next scan is clean");
-        // With the last rate on, up to two and a half telegrams.
-        bench.check(2.0 * EXACT_RAD);
+        bench.check(EXACT_RAD);
     }
 }
 
@@ -227,41 +225,4 @@ fn encoder_slips() {
         }
         bench.check(off_rad.abs() + EXACT_RAD);
     }
-}
-
-/// Scan after scan with everything going wrong now and then. `SOAK_SCANS=10000` for a long one.
-#[test]
-fn soak() {
-    let scans: usize = std::env::var("SOAK_SCANS").ok().and_then(|count| count.parse().ok()).unwrap_or(30);
-    let mut bench = Bench::new();
-    let mut random = Random(3);
-    let mut memory_at_half = None;
-    let mut over = 0;
-    while over < scans {
-        let one_in = [0, 0, 0, 20_000, 2_000, 300][random.below(6) as usize];
-        bench.chain.lms.wires.faults = Faults { drop_one_in: one_in, flip_one_in: one_in, insert_one_in: one_in };
-        bench.chain.encoder_fault = match random.below(12) {
-            0 => EncoderFault::Stuck,
-            1 => EncoderFault::Dead,
-            _ => EncoderFault::None,
-        };
-        if random.below(50) == 0 {
-            bench.chain.lms.power_cycle(bench.chain.now_us());
-        }
-        bench.run_ms(200 + random.below(800));
-        over += bench.check_and_forget(3.0 * EXACT_RAD);
-        if over > scans / 2 && memory_at_half.is_none() {
-            memory_at_half = pages();
-        }
-    }
-    println!("{over} scans: {:?}", bench.counters());
-    if let (Some(half), Some(now)) = (memory_at_half, pages()) {
-        println!("{half} pages at half time, {now} now");
-        assert!(now < half + 128, "{half} pages at half time, {now} now");
-    }
-}
-
-/// Pages of memory that this process has, where the system says so.
-fn pages() -> Option<u64> {
-    std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').nth(1)?.parse().ok()
 }
