@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use scanseg_hal::lms2xx::{Baud, Session, Trouble};
 use scanseg_hal::pairing::Latch;
-use scanseg_hal::rig::{Dropped, End, Rig};
+use scanseg_hal::rig::{Counters, Dropped, End, Rig};
 use scanseg_sim::virtual_rig::{EncoderFault, Faults, Motion, scanner_on_tilt};
 use tilted::*;
 
@@ -19,10 +19,35 @@ const TELEGRAM: usize = 372;
 /// row.
 const EXACT_RAD: f64 = 0.001;
 
+/// Until so many more scans are over.
+fn run_scans(bench: &mut Bench, scans: usize) {
+    let (goal, begin_us) = (bench.seen.finished.len() + scans, bench.chain.now_us());
+    while bench.seen.finished.len() < goal {
+        bench.chain.step(&mut bench.seen);
+        let took_s = (bench.chain.now_us() - begin_us) / 1_000_000;
+        assert!(took_s < 30 + 10 * scans as u64, "{:?}", bench.chain.rig.counters());
+    }
+}
+
+/// [`check_rows`], and the counters agree with what was seen.
+fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
+    check_rows(notes, within_rad);
+    assert_eq!(counters.rows as usize, notes.0.borrow().iter().map(Vec::len).sum::<usize>());
+    assert_eq!(counters.scans as usize, seen.started.len());
+    assert_eq!(counters.dropped() as usize, seen.dropped.len());
+    assert_eq!(counters.troubles as usize, seen.troubles.len());
+    let held = counters.telegrams - counters.rows - counters.dropped();
+    assert!(held <= 1, "{counters:?}");
+}
+
+fn check_bench(bench: &Bench, within_rad: f64) {
+    check(&bench.counters(), &bench.notes, &bench.seen, within_rad);
+}
+
 #[test]
 fn sweeps_become_scans() {
     let mut bench = Bench::new();
-    bench.run_scans(4);
+    run_scans(&mut bench, 4);
     let counters = bench.counters();
     println!("{counters:?}");
     assert_eq!((counters.telegrams, counters.no_turn), (counters.rows + 1, 1), "the first has no rate yet");
@@ -30,7 +55,7 @@ fn sweeps_become_scans() {
     for scan in &bench.seen.finished[1..] {
         assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS));
     }
-    bench.check(EXACT_RAD);
+    check_bench(&bench, EXACT_RAD);
 }
 
 /// Damage of which every byte is known, to a stream of which every telegram is known.
@@ -112,51 +137,51 @@ fn every_whole_telegram_is_used() {
 fn damage_and_after() {
     for one_in in [100, 300, 1000, 10_000] {
         let mut bench = Bench::new();
-        bench.run_scans(2);
+        run_scans(&mut bench, 2);
         let before = bench.counters();
         bench.chain.lms.wires.faults = Faults { drop_one_in: one_in, flip_one_in: one_in, insert_one_in: 2 * one_in };
         bench.run_ms(20_000);
         let during = bench.counters();
         bench.chain.lms.wires.faults = Faults::default();
-        bench.run_scans(3);
+        run_scans(&mut bench, 3);
         println!("1 of {one_in}: {during:?}");
         assert!(during.rejected > before.rejected + 10);
         let after = bench.counters();
         assert!(after.lost > before.lost || after.troubles > before.troubles);
         let scan = bench.seen.finished.last().unwrap();
         assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS), "the next scan is clean");
-        bench.check(EXACT_RAD);
+        check_bench(&bench, EXACT_RAD);
     }
 }
 
 #[test]
 fn scanner_restarts_within_a_scan() {
     let mut bench = Bench::new();
-    bench.run_scans(2);
+    run_scans(&mut bench, 2);
     bench.run_ms(1000);
     bench.chain.lms.power_cycle(bench.chain.now_us());
-    bench.run_scans(3);
+    run_scans(&mut bench, 3);
     println!("{:?} {:?}", bench.seen.troubles, bench.counters());
     assert!(bench.seen.troubles.contains(&Trouble::Silent) || bench.seen.troubles.contains(&Trouble::Restarted));
     let ends: Vec<_> = bench.seen.finished.iter().map(|scan| scan.end).collect();
     assert!(matches!(ends[2], End::Trouble | End::Pause), "{ends:?}");
     assert_eq!(bench.counters().troubles as usize, bench.seen.troubles.len());
-    bench.run_scans(1);
+    run_scans(&mut bench, 1);
     let scan = bench.seen.finished.last().unwrap();
     assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS), "the next scan is clean");
-    bench.check(EXACT_RAD);
+    check_bench(&bench, EXACT_RAD);
 }
 
 #[test]
 fn encoder_stuck_and_dead() {
     for (fault, ms) in [(EncoderFault::Stuck, 600), (EncoderFault::Dead, 600), (EncoderFault::Dead, 1500)] {
         let mut bench = Bench::new();
-        bench.run_scans(2);
+        run_scans(&mut bench, 2);
         bench.run_ms(100);
         bench.chain.encoder_fault = fault;
         bench.run_ms(ms);
         bench.chain.encoder_fault = EncoderFault::None;
-        bench.run_scans(3);
+        run_scans(&mut bench, 3);
         let counters = bench.counters();
         println!("{fault:?} for {ms} ms: {counters:?}");
         let (flagged, rows) = match fault {
@@ -169,7 +194,7 @@ fn encoder_stuck_and_dead() {
         let ends: Vec<_> = bench.seen.finished.iter().map(|scan| scan.end).collect();
         assert_eq!(ends[2], if ms > 1000 { End::Pause } else { End::Turned });
         assert_eq!(bench.seen.finished.last().unwrap().rows, SWEEP_ROWS, "the next scan is clean");
-        bench.check(EXACT_RAD);
+        check_bench(&bench, EXACT_RAD);
     }
 }
 
@@ -177,7 +202,7 @@ fn encoder_stuck_and_dead() {
 #[test]
 fn encoder_glitches() {
     let mut bench = Bench::new();
-    bench.run_scans(1);
+    run_scans(&mut bench, 1);
     let mut random = Random(7);
     let mut scans = bench.seen.finished.len();
     for _ in 0..400 {
@@ -195,7 +220,7 @@ fn encoder_glitches() {
     }
     println!("{:?}", bench.counters());
     assert!(bench.counters().jump > 300 && scans > 20);
-    bench.check(GLITCH_RAD);
+    check_bench(&bench, GLITCH_RAD);
 }
 
 /// What a sample can be off without a rate beyond the limits: 0.3 rad/s over the 10 ms between samples, and the rows lie
@@ -207,10 +232,10 @@ const GLITCH_RAD: f64 = 0.3 * 0.017;
 fn encoder_slips() {
     for off_rad in [0.03, -0.03, 0.1, -0.1, 0.5, -0.5] {
         let mut bench = Bench::new();
-        bench.run_scans(1);
+        run_scans(&mut bench, 1);
         bench.run_ms(900);
         bench.chain.encoder_fault = EncoderFault::Off(off_rad);
-        bench.run_scans(3);
+        run_scans(&mut bench, 3);
         println!("{off_rad}: {:?}", bench.counters());
         assert!(bench.counters().jump > 0);
         assert_eq!(bench.seen.dropped[0], Dropped::NoTurn);
@@ -223,6 +248,6 @@ fn encoder_slips() {
             let least = off_rad.iter().copied().fold(f64::MAX, f64::min);
             assert!(most - least < 2.0 * EXACT_RAD, "{off_rad:?}");
         }
-        bench.check(off_rad.abs() + EXACT_RAD);
+        check_bench(&bench, off_rad.abs() + EXACT_RAD);
     }
 }

@@ -15,7 +15,7 @@ fn soak() {
     let mut bench = Bench::new();
     let mut random = Random(3);
     let mut memory_at_half = None;
-    let mut over = 0;
+    let (mut over, mut rows) = (0, 0);
     while over < scans {
         let one_in = [0, 0, 0, 20_000, 2_000, 300][random.below(6) as usize];
         bench.chain.lms.wires.faults = Faults { drop_one_in: one_in, flip_one_in: one_in, insert_one_in: one_in };
@@ -28,7 +28,7 @@ fn soak() {
             bench.chain.lms.power_cycle(bench.chain.now_us());
         }
         bench.run_ms(200 + random.below(800));
-        over += bench.check_and_forget(LIMIT_RAD);
+        over += check_and_forget(&mut bench, &mut rows);
         if over > scans / 2 && memory_at_half.is_none() {
             memory_at_half = pages();
         }
@@ -43,4 +43,26 @@ fn soak() {
 /// Pages of memory that this process has, where the system says so.
 fn pages() -> Option<u64> {
     std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').nth(1)?.parse().ok()
+}
+
+/// Checks what was noted since the last time, and forgets it. `rows`: how many have been so far. Returns how many scans are
+/// over since.
+fn check_and_forget(bench: &mut Bench, rows: &mut u32) -> usize {
+    check_rows(&bench.notes, LIMIT_RAD);
+    let mut scans = bench.notes.0.borrow_mut();
+    let over = scans.len().saturating_sub(1);
+    *rows += scans.iter().map(|rows| rows.len() as u32).sum::<u32>();
+    scans.iter_mut().for_each(Vec::clear);
+    scans.truncate(1);
+    drop(scans);
+    let counters = bench.counters();
+    assert_eq!(counters.rows, *rows);
+    assert!(counters.telegrams - counters.rows - counters.dropped() <= 1, "{counters:?}");
+    let seen = &mut bench.seen;
+    let still = seen.started.len() - seen.finished.len();
+    seen.started.drain(..seen.started.len() - still);
+    seen.finished.clear();
+    seen.dropped.clear();
+    seen.troubles.clear();
+    over
 }

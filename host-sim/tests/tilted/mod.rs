@@ -107,8 +107,6 @@ pub struct Bench {
     pub chain: Chain<'static, Notes>,
     pub seen: Seen,
     pub notes: Notes,
-    /// Rows that were checked and forgotten.
-    forgotten: u32,
 }
 
 impl Bench {
@@ -118,7 +116,7 @@ impl Bench {
         let notes = Notes::default();
         let rows_m = Vec::leak(vec![0.0; 2 * COLUMNS]);
         let rig = Rig::new(SETTINGS, LIMITS, notes.clone(), rows_m).expect("rig");
-        Self { chain: Chain::new(SETTINGS, lms, motion, rig), seen: Seen::default(), notes, forgotten: 0 }
+        Self { chain: Chain::new(SETTINGS, lms, motion, rig), seen: Seen::default(), notes }
     }
 
     pub fn run_ms(&mut self, ms: u64) {
@@ -128,43 +126,8 @@ impl Bench {
         }
     }
 
-    /// Until so many more scans are over.
-    pub fn run_scans(&mut self, scans: usize) {
-        let (goal, begin_us) = (self.seen.finished.len() + scans, self.chain.now_us());
-        while self.seen.finished.len() < goal {
-            self.chain.step(&mut self.seen);
-            let took_s = (self.chain.now_us() - begin_us) / 1_000_000;
-            assert!(took_s < 30 + 10 * scans as u64, "{:?}", self.chain.rig.counters());
-        }
-    }
-
     pub fn counters(&self) -> Counters {
         self.chain.rig.counters()
-    }
-
-    /// See [`check`].
-    pub fn check(&self, within_rad: f64) {
-        check(&self.counters(), &self.notes, &self.seen, within_rad);
-    }
-
-    /// Checks what was noted since the last time, and forgets it. Returns how many scans are over since.
-    pub fn check_and_forget(&mut self, within_rad: f64) -> usize {
-        check_rows(&self.notes, within_rad);
-        let mut scans = self.notes.0.borrow_mut();
-        let over = scans.len().saturating_sub(1);
-        self.forgotten += scans.iter().map(|rows| rows.len() as u32).sum::<u32>();
-        scans.iter_mut().for_each(Vec::clear);
-        scans.truncate(1);
-        drop(scans);
-        let counters = self.counters();
-        assert_eq!(counters.rows, self.forgotten);
-        assert!(counters.telegrams - counters.rows - counters.dropped() <= 1, "{counters:?}");
-        let still = self.seen.started.len() - self.seen.finished.len();
-        self.seen.started.drain(..self.seen.started.len() - still);
-        self.seen.finished.clear();
-        self.seen.dropped.clear();
-        self.seen.troubles.clear();
-        over
     }
 }
 
@@ -178,17 +141,6 @@ pub fn check_rows(notes: &Notes, within_rad: f64) {
         let rising = rows.windows(2).filter(|pair| pair[1].turn_rad > pair[0].turn_rad).count();
         assert!(rising == 0 || rising + 1 == rows.len(), "a scan goes one way");
     }
-}
-
-/// [`check_rows`], and the counters agree with what was seen.
-pub fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
-    check_rows(notes, within_rad);
-    assert_eq!(counters.rows as usize, notes.0.borrow().iter().map(Vec::len).sum::<usize>());
-    assert_eq!(counters.scans as usize, seen.started.len());
-    assert_eq!(counters.dropped() as usize, seen.dropped.len());
-    assert_eq!(counters.troubles as usize, seen.troubles.len());
-    let held = counters.telegrams - counters.rows - counters.dropped();
-    assert!(held <= 1, "{counters:?}");
 }
 
 /// Chance, the same in every run.
