@@ -21,7 +21,7 @@ use std::error::Error;
 use std::fmt;
 use std::fmt::Write;
 
-use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Settings, Unit, Variant};
+use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, SCAN, Settings, Unit, Variant};
 use scanseg_hal::pairing::{Latch, Sweep};
 use scanseg_hal::rig::TiltLimits;
 
@@ -151,92 +151,108 @@ impl Capture {
         Ok(Capture { settings, limits, events })
     }
 
-    /// Makes a capture of a raw stream of telegrams: as if they had come at 38 400 Bd, one after the other, and row r, by
-    /// its place in the stream, had been measured at turn angle r of the geometry. So a damaged telegram costs its own row
-    /// only. `range_bits` is 13 to 16, see [`MeasuringMode::range_bits`].
+    /// Makes a capture of a raw stream of telegrams: as if they had come at 38 400 Bd, one after the other, and the turn
+    /// angle of the geometry's row r had held for the r-th. The place of a telegram in the stream says which it is, so that
+    /// a damaged one costs its own row only; where whole telegrams are missing from the stream, nothing tells. `range_bits`
+    /// is 13 to 16, see [`MeasuringMode::range_bits`].
     ///
     /// # Errors
     /// [`CaptureError::NoTelegram`] or [`CaptureError::Geometry`].
     pub fn of_telegrams(raw: &[u8], geometry: &Geometry, range_bits: u32) -> Result<Capture, CaptureError> {
-        let (first, settings, sweep, length) = first_scan(raw, range_bits).ok_or(CaptureError::NoTelegram)?;
+        let Telegrams { settings, sweep, length, starts } =
+            Telegrams::find(raw, range_bits).ok_or(CaptureError::NoTelegram)?;
         let columns = settings.variant.columns();
         let Kind::Nodding { turn_deg, .. } = &geometry.kind else { return Err(CaptureError::Geometry { columns }) };
-        if geometry.fits(rows(turn_deg), columns.into()).is_err() {
+        let rows = match turn_deg {
+            Angles::Even { .. } => raw.len(),
+            Angles::Listed(list) => list.len(),
+        };
+        if geometry.fits(rows, columns.into()).is_err() {
             return Err(CaptureError::Geometry { columns });
         }
         let period_us = u64::from(settings.period_us());
-        let half_turn_rad_per_s = std::f32::consts::PI * 1e6 / period_us as f32;
         let limits = TiltLimits {
             min_rate_rad_per_s: 1e-6,
-            max_rate_rad_per_s: 0.99 * half_turn_rad_per_s,
+            max_rate_rad_per_s: 0.99e6 * std::f32::consts::PI / period_us as f32,
             sweep_rad: f32::INFINITY,
             pause_us: 100 * settings.period_us(),
         };
-        let mut capture = Capture::new(settings, limits);
-        // The row before the first, so that the first has a rate.
-        let telegrams = raw[first..].chunks(length);
-        let before = 2.0 * turn_deg.at(0) - turn_deg.at(1.min(rows(turn_deg) - 1));
-        let known = (0..telegrams.len().min(rows(turn_deg))).map(|row| turn_deg.at(row));
-        let mut turns = std::iter::once(before).chain(known);
-        let mut sample = |at: u64| {
-            let time_us = (at + 1) * period_us + u64::from(settings.baud.line_time_us(1)) - sweep.mean_age_us() as u64;
-            let latch = turns.next().map(|deg| Latch { turn_rad: deg.to_radians() as f32, time_us });
-            latch.map(|latch| Came::Tilt(Some(latch)))
-        };
-        capture.events.extend(sample(0));
-        for (at, telegram) in (1..).zip(telegrams) {
-            capture.events.extend(sample(at));
-            for (piece, bytes) in telegram.chunks(64).enumerate() {
-                let sent = (64 * piece + bytes.len()) as u32;
-                let time_us = (at + 1) * period_us + u64::from(settings.baud.line_time_us(sent));
-                capture.events.push(Came::Bytes { time_us, bytes: bytes.to_vec() });
+        // Row r begins at (r + 2) periods.
+        let begin_us = |row: usize| (row as u64 + 2) * period_us;
+        let mut events = vec![];
+        let mut row = 0;
+        let ends = starts.iter().skip(1).copied().chain([raw.len()]);
+        for (&start, end) in starts.iter().zip(ends) {
+            let next_row = row + ((end - start + length / 2) / length).max(1);
+            for (piece, bytes) in raw[start..end].chunks(64).enumerate() {
+                let sent = (64 * piece + bytes.len() - 1) as u32;
+                // What comes before the next start byte has come before its time, however much it is.
+                let time_us = begin_us(row) + u64::from(settings.baud.line_time_us(sent));
+                let time_us = time_us.min(begin_us(next_row) - 1);
+                events.push((time_us, Came::Bytes { time_us, bytes: bytes.to_vec() }));
             }
+            row = next_row;
         }
-        Ok(capture)
+        // Also one of the row before the first, so that the first has a rate.
+        let before_deg = 2.0 * turn_deg.at(0) - turn_deg.at(1.min(rows - 1));
+        let turns = std::iter::once(before_deg).chain((0..row.min(rows)).map(|row| turn_deg.at(row)));
+        for (row, deg) in turns.enumerate() {
+            let time_us = begin_us(row) - period_us - sweep.mean_age_us() as u64;
+            events.push((time_us, Came::Tilt(Some(Latch { turn_rad: deg.to_radians() as f32, time_us }))));
+        }
+        events.sort_by_key(|(time_us, _)| *time_us);
+        Ok(Capture { settings, limits, events: events.into_iter().map(|(_, came)| came).collect() })
     }
 }
 
-/// Rows that a geometry can have.
-fn rows(turn_deg: &Angles) -> usize {
-    match turn_deg {
-        Angles::Even { .. } => usize::from(u16::MAX),
-        Angles::Listed(list) => list.len(),
-    }
+/// The scans of a raw stream.
+struct Telegrams {
+    settings: Settings,
+    sweep: Sweep,
+    /// Bytes of one.
+    length: usize,
+    /// Where the good ones begin.
+    starts: Vec<usize>,
 }
 
-/// Where the first scan of a raw stream begins, what it tells of the settings, when its beams were measured, and its length
-/// in bytes.
-fn first_scan(raw: &[u8], range_bits: u32) -> Option<(usize, Settings, Sweep, usize)> {
-    let mode = [
-        MeasuringMode::Range8Fields,
-        MeasuringMode::Range16Fields,
-        MeasuringMode::Range32Field,
-        MeasuringMode::Range32Immediate,
-    ]
-    .into_iter()
-    .find(|mode| mode.range_bits() == range_bits)?;
-    let (mut decoder, mut used) = (Decoder::new(), 0);
-    loop {
-        let fed = decoder.feed(&raw[used..]);
-        used += fed.used;
-        match fed.event {
-            Event::NeedMore => return None,
-            Event::Telegram { .. } => {
-                let telegram = decoder.telegram()?;
-                // Code, status, header and check word.
-                let length = telegram.data().len() + 2 + 4 + 2;
-                if let Some(scan) = telegram.scan().filter(|scan| scan.first_column() == 0) {
-                    let interlaced = scan.partial_quarter().is_some();
-                    let variant = variant(scan.columns())?;
-                    let settings = Settings { baud: Baud::B38400, variant, unit: scan.unit(), mode, interlaced };
-                    // Whatever `used` is, the telegram lies before it: its bytes are not repeated.
-                    let first = raw[..used]
-                        .windows(length)
-                        .rposition(|bytes| bytes[0] == 0x02 && bytes[5..length - 3] == *telegram.data())?;
-                    return Some((first, settings, Sweep::of(&scan, variant), length));
+impl Telegrams {
+    /// Those like the first.
+    fn find(raw: &[u8], range_bits: u32) -> Option<Telegrams> {
+        let modes = [
+            MeasuringMode::Range8Fields,
+            MeasuringMode::Range16Fields,
+            MeasuringMode::Range32Field,
+            MeasuringMode::Range32Immediate,
+        ];
+        let mode = modes.into_iter().find(|mode| mode.range_bits() == range_bits)?;
+        let (mut decoder, mut used, mut start) = (Decoder::new(), 0, 0);
+        let mut found: Option<Telegrams> = None;
+        loop {
+            let fed = decoder.feed(&raw[used..]);
+            used += fed.used;
+            match fed.event {
+                Event::NeedMore => return found,
+                Event::Start { bytes_ago } => start = used - 1 - usize::from(bytes_ago),
+                Event::Telegram { code: SCAN } => {
+                    let Some(telegram) = decoder.telegram() else { continue };
+                    let Some(scan) = telegram.scan() else { continue };
+                    match &mut found {
+                        Some(found) => found.starts.push(start),
+                        None => {
+                            let interlaced = scan.partial_quarter().is_some();
+                            let Some(variant) = variant(scan.columns()) else { continue };
+                            let settings =
+                                Settings { baud: Baud::B38400, variant, unit: scan.unit(), mode, interlaced };
+                            // Code, status, header and check word beside the data.
+                            let length = telegram.data().len() + 2 + 4 + 2;
+                            let sweep = Sweep::of(&scan, variant);
+                            found = Some(Telegrams { settings, sweep, length, starts: vec![start] });
+                            decoder.expect_scans(Some(settings.format()));
+                        }
+                    }
                 }
+                _ => {}
             }
-            _ => {}
         }
     }
 }
