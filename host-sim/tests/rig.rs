@@ -5,10 +5,12 @@ mod tilted;
 
 use std::rc::Rc;
 
-use scanseg_hal::lms2xx::{Baud, Session, Trouble};
+use scanseg_core::{Finished, PushError, Sink, Status};
+use scanseg_hal::lms2xx::crc::check_word;
+use scanseg_hal::lms2xx::{Baud, Session, Settings, Trouble, Variant};
 use scanseg_hal::pairing::Latch;
-use scanseg_hal::rig::{Counters, Dropped, End, Rig};
-use scanseg_sim::virtual_rig::{EncoderFault, Faults, Motion, scanner_on_tilt};
+use scanseg_hal::rig::{Counters, Dropped, End, Rig, RowSegmenter, TiltLimits};
+use scanseg_sim::virtual_rig::{Chain, EncoderFault, Faults, Motion, scanner_on_tilt};
 use tilted::*;
 
 /// Rows of a sweep of 1.2 rad at 75 rows a second.
@@ -250,4 +252,122 @@ fn encoder_slips() {
         }
         check_bench(&bench, off_rad.abs() + EXACT_RAD);
     }
+}
+
+fn rig(motion: fn(f64) -> f64, limits: TiltLimits, segmenter: impl RowSegmenter + 'static) -> Seen {
+    let motion: Motion = Rc::new(motion);
+    let lms = scanner_on_tilt(SETTINGS, &motion, telling).running(Baud::B500000, SETTINGS.variant);
+    let mut rows_m = vec![0.0; 2 * COLUMNS];
+    let rig = Rig::new(SETTINGS, limits, segmenter, &mut rows_m).unwrap();
+    let mut chain = Chain::new(SETTINGS, lms, motion, rig);
+    let mut seen = Seen::default();
+    while chain.now_us() < 20_000_000 {
+        chain.step(&mut seen);
+    }
+    chain.rig.finish(&mut seen);
+    seen
+}
+
+/// A scanner that goes round and round: every half turn is a scan, and no row is lost between them.
+#[test]
+fn round_and_round() {
+    let notes = Notes::default();
+    let limits = TiltLimits { sweep_rad: std::f32::consts::PI, ..LIMITS };
+    let seen = rig(|time_us| -RATE * time_us * 1e-6, limits, notes.clone());
+    let rows: Vec<u16> = seen.finished.iter().map(|scan| scan.rows).collect();
+    println!("{rows:?}");
+    // pi / 0.6 * 75 = 392.7
+    assert!(rows.len() == 4 && rows[..3].iter().all(|rows| (392..=394).contains(rows)));
+    assert!(seen.finished[..3].iter().all(|scan| scan.end == End::Covered) && seen.finished[3].end == End::Asked);
+    assert_eq!(seen.finished[3].counters.telegrams, rows.iter().sum::<u16>() as u32 + 1);
+    for pair in seen.started.windows(2) {
+        let step_rad = (pair[0].turn_rad - pair[1].turn_rad).rem_euclid(std::f32::consts::TAU);
+        assert!((step_rad - std::f32::consts::PI).abs() < 0.02, "{step_rad}");
+    }
+}
+
+/// Takes so many rows of each scan, then breaks off or says that it is full.
+struct Full(usize, usize, Result<Status, PushError>);
+
+impl RowSegmenter for Full {
+    fn push_row(&mut self, _: &[f32], _: f32, _: &mut impl Sink) -> Result<Status, PushError> {
+        self.1 += 1;
+        if self.1 < self.0 { Ok(Status::Buffered) } else { self.2 }
+    }
+
+    fn finish(&mut self, _: &mut impl Sink) -> Finished {
+        Finished::Complete { rows: std::mem::take(&mut self.1), unlabelled: 3 }
+    }
+}
+
+#[test]
+fn the_sink_breaks_off_and_the_segmenter_is_full() {
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Ok(Status::Stopped)));
+    for scan in &seen.finished[1..seen.finished.len() - 1] {
+        assert_eq!((scan.rows, scan.end, scan.unlabelled), (50, End::Turned, 3));
+    }
+    let stopped = seen.dropped.iter().filter(|&&why| why == Dropped::Stopped).count() as u32;
+    let last = seen.finished.last().unwrap().counters;
+    assert_eq!((last.stopped, last.telegrams), (stopped, stopped + last.rows + 1));
+
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Err(PushError::TooManyRows)));
+    let ends: Vec<_> = seen.finished[1..7].iter().map(|scan| (scan.rows, scan.end)).collect();
+    assert!(ends.contains(&(49, End::Covered)) && ends.contains(&(3, End::Turned)), "150 = 3 x 49 + 3: {ends:?}");
+
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Err(PushError::RowLength { expected: 1, got: 2 })));
+    let last = seen.finished.last().unwrap().counters;
+    assert!(last.refused > 0 && last.rows + last.refused + 1 == last.telegrams, "{last:?}");
+}
+
+/// A row whose telegram says that it is not to be believed.
+#[test]
+fn status_of_the_scanner() {
+    for (status, rows) in [(0x10, 6), (0x11, 6), (0x90, 6), (0x13, 5), (0x14, 5), (0x50, 5)] {
+        let mut rows_m = vec![0.0; 2 * COLUMNS];
+        let mut rig = Rig::new(SETTINGS, LIMITS, Notes::default(), &mut rows_m).unwrap();
+        let (mut session, mut seen) = (Session::listening(SETTINGS), Seen::default());
+        for row in 0..7 {
+            let mut telegram = vec![0x02, 0x80, 0x6E, 0x01, 0xB0, 181, 0x40];
+            telegram.resize(TELEGRAM - 3, 1);
+            telegram.push(if row == 4 { status } else { 0x10 });
+            telegram.extend(check_word(&telegram).to_le_bytes());
+            let time_us = 1_000_000 + row * 13_333;
+            rig.tilt(Some(Latch { turn_rad: 0.6e-6 * time_us as f32, time_us }));
+            rig.receive(&mut session, &telegram, time_us + 7_440, &mut seen);
+        }
+        rig.finish(&mut seen);
+        let counters = rig.counters();
+        assert_eq!((counters.rows, counters.status, counters.no_turn), (rows, 6 - rows, 1), "{status:#x}");
+    }
+}
+
+#[test]
+fn wrong_rigs() {
+    let new = |settings, limits, memory: usize| {
+        Rig::new(settings, limits, Notes::default(), &mut vec![0.0; memory]).map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(new(SETTINGS, LIMITS, 362), Ok(()));
+    assert_eq!(new(SETTINGS, LIMITS, 361), Err("rows need memory for 362 ranges, got 361".into()));
+    for (min, max) in [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (f32::NAN, 1.0), (0.1, f32::NAN), (0.1, 236.0)] {
+        let limits = TiltLimits { min_rate_rad_per_s: min, max_rate_rad_per_s: max, ..LIMITS };
+        assert_eq!(new(SETTINGS, limits, 362), Err(format!("the tilt cannot turn at {min} to {max} rad/s")));
+    }
+    for sweep_rad in [0.0, -1.0, f32::NAN] {
+        let limits = TiltLimits { sweep_rad, ..LIMITS };
+        assert_eq!(new(SETTINGS, limits, 362), Err(format!("a sweep cannot be {sweep_rad} rad")));
+    }
+    let limits = TiltLimits { pause_us: 39_998, ..LIMITS };
+    assert_eq!(new(SETTINGS, limits, 362), Err("pause must be 39999 us or more, is 39998".into()));
+    let interlaced = Settings { interlaced: true, ..SETTINGS };
+    assert_eq!(new(interlaced, LIMITS, 362), Ok(()));
+    let half = Settings { variant: Variant::Deg180Step05, ..interlaced };
+    assert_eq!(new(half, LIMITS, 722), Err("interlaced scans make rows only in steps of 1 degree".into()));
+}
+
+/// What a board must have for the rig, besides the segmenter.
+#[test]
+fn size() {
+    let bytes = (size_of::<Rig<'static, ()>>(), size_of::<Session>());
+    println!("rig and session: {bytes:?}");
+    assert!(bytes.0 <= 400 && bytes.1 < 1024);
 }

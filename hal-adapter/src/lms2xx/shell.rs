@@ -77,22 +77,27 @@ impl Inbox {
             return None;
         }
         let rest = self.bytes.get(self.from..self.to).unwrap_or(&[]);
-        let (used, event) = session.feed(to_ms(now_us), rest);
+        let (used, event) = feed(session, rest, now_us);
         self.from += used;
-        Some(match event {
-            SessionEvent::NeedMore => {
-                self.open = false;
-                return None;
-            }
-            SessionEvent::Start { bytes_ago } => {
-                let bytes_behind = (self.to - self.from) as u32 + u32::from(bytes_ago);
-                let age_us = session.baud().line_time_us(bytes_behind);
-                ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
-            }
-            SessionEvent::Scan => ScannerEvent::Scan,
-            SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
-        })
+        self.open = event.is_some();
+        event
     }
+}
+
+/// Gives a session bytes, the last of which came at `now_us`: how many it used, and what it told; `None` when it needs more.
+pub(crate) fn feed(session: &mut Session, bytes: &[u8], now_us: u64) -> (usize, Option<ScannerEvent>) {
+    let (used, event) = session.feed(to_ms(now_us), bytes);
+    let event = match event {
+        SessionEvent::NeedMore => return (used, None),
+        SessionEvent::Start { bytes_ago } => {
+            let bytes_behind = bytes.len().saturating_sub(used) as u32 + u32::from(bytes_ago);
+            let age_us = session.baud().line_time_us(bytes_behind);
+            ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
+        }
+        SessionEvent::Scan => ScannerEvent::Scan,
+        SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
+    };
+    (used, Some(event))
 }
 
 /// The session's clock.
