@@ -92,7 +92,7 @@ impl Sweep {
 }
 
 /// Samples of the tilt that are kept.
-const KEPT: usize = 4;
+const KEPT: usize = 6;
 
 /// Follows the tilt, and says how it turned while a telegram's beams were measured.
 ///
@@ -102,7 +102,7 @@ const KEPT: usize = 4;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pairing {
     period_us: u32,
-    /// From where the beams of a telegram are, on average, to its start byte.
+    /// From the middle beam of a telegram to its start byte, and half a millisecond of room.
     age_us: u32,
     /// The oldest first, not closer than [`Pairing::spacing_us`] except for the last.
     samples: [Latch; KEPT],
@@ -118,7 +118,7 @@ impl Pairing {
         let turns = if settings.interlaced { 1 } else { settings.variant.turns() as u32 };
         Self {
             period_us: settings.period_us(),
-            age_us: turns * MIRROR_TURN_US as u32 / 2,
+            age_us: (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4) + 500,
             samples: [Latch { turn_rad: 0.0, time_us: 0 }; KEPT],
             count: 0,
             now: None,

@@ -319,6 +319,21 @@ fn the_sink_breaks_off_and_the_segmenter_is_full() {
     assert!(last.refused > 0 && last.rows + last.refused + 1 == last.telegrams, "{last:?}");
 }
 
+/// A telegram of 181 ranges of 257 mm.
+fn telegram(status: u8) -> Vec<u8> {
+    let mut telegram = vec![0x02, 0x80, 0x6E, 0x01, 0xB0, 181, 0x40];
+    telegram.resize(TELEGRAM - 3, 1);
+    telegram.push(status);
+    telegram.extend(check_word(&telegram).to_le_bytes());
+    telegram
+}
+
+/// When the last byte of a telegram comes, and the tilt's turn angle then.
+fn end_of(row: u64) -> (u64, f32) {
+    let time_us = 1_000_000 + row * 40_000 / 3 + 7_440;
+    (time_us, (RATE * 1e-6 * time_us as f64) as f32)
+}
+
 /// A row whose telegram says that it is not to be believed.
 #[test]
 fn status_of_the_scanner() {
@@ -327,17 +342,49 @@ fn status_of_the_scanner() {
         let mut rig = Rig::new(SETTINGS, LIMITS, Notes::default(), &mut rows_m).unwrap();
         let (mut session, mut seen) = (Session::listening(SETTINGS), Seen::default());
         for row in 0..7 {
-            let mut telegram = vec![0x02, 0x80, 0x6E, 0x01, 0xB0, 181, 0x40];
-            telegram.resize(TELEGRAM - 3, 1);
-            telegram.push(if row == 4 { status } else { 0x10 });
-            telegram.extend(check_word(&telegram).to_le_bytes());
-            let time_us = 1_000_000 + row * 13_333;
-            rig.tilt(Some(Latch { turn_rad: 0.6e-6 * time_us as f32, time_us }));
-            rig.receive(&mut session, &telegram, time_us + 7_440, &mut seen);
+            let (time_us, turn_rad) = end_of(row);
+            rig.tilt(Some(Latch { turn_rad, time_us }));
+            rig.receive(&mut session, &telegram(if row == 4 { status } else { 0x10 }), time_us, &mut seen);
         }
         rig.finish(&mut seen);
         let counters = rig.counters();
         assert_eq!((counters.rows, counters.status, counters.no_turn), (rows, 6 - rows, 1), "{status:#x}");
+    }
+}
+
+/// Bytes handed over late, several telegrams at once; and a false beginning whose end lies in a later telegram, so that the
+/// search goes back across the silence between telegrams. The turn angles stay the same.
+#[test]
+fn telegrams_in_large_pieces() {
+    for (at_once, with_false_start) in [(1, false), (2, false), (3, false), (1, true)] {
+        let mut rows_m = vec![0.0; 2 * COLUMNS];
+        let notes = Notes::default();
+        let mut rig = Rig::new(SETTINGS, LIMITS, notes.clone(), &mut rows_m).unwrap();
+        let (mut session, mut seen) = (Session::listening(SETTINGS), Seen::default());
+        let mut bytes = vec![];
+        for row in 0..60 {
+            let (time_us, turn_rad) = end_of(row);
+            rig.tilt(Some(Latch { turn_rad, time_us }));
+            if with_false_start && row == 30 {
+                // An answer of 700 bytes that never comes.
+                bytes.extend([0x02, 0x80, 0xBC, 0x02, 0xF4]);
+            }
+            bytes.extend(telegram(0x10));
+            if row % at_once == at_once - 1 {
+                rig.receive(&mut session, &bytes, time_us, &mut seen);
+                bytes.clear();
+            }
+        }
+        rig.finish(&mut seen);
+        let rows = &notes.0.borrow()[0];
+        println!("{at_once} at once: {:?}", rig.counters());
+        assert!(rows.len() > 55);
+        for row in rows {
+            let number = ((row.turn_rad / RATE * 1e6 - 1_000_000.0) * 3.0 / 40_000.0).round();
+            // The beams lie a quarter turn of the mirror before the start byte.
+            let truth_rad = RATE * 1e-6 * (1_000_000.0 + number * 40_000.0 / 3.0 - 10_000.0 / 3.0);
+            assert!((row.turn_rad - truth_rad).abs() < 1e-4, "{row:?} {truth_rad}");
+        }
     }
 }
 

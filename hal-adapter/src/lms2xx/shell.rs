@@ -10,8 +10,8 @@ use super::trouble::Trouble;
 pub enum ScannerEvent {
     /// A scan may be beginning: read the tilt encoder now. Of several in a row the last one belongs to the scan.
     Start {
-        /// When the start byte came, by the clock given: the time of the call less that of the bytes behind it. It is as
-        /// late as the port was in handing its bytes over.
+        /// When the start byte came, by the clock given: the time of the call less that of the bytes behind it, and of the
+        /// silence between telegrams among them. It is as late as the port was in handing its bytes over.
         time_us: u64,
     },
     /// A scan: `scan()` gives it until the next call.
@@ -91,7 +91,11 @@ pub(crate) fn feed(session: &mut Session, bytes: &[u8], now_us: u64) -> (usize, 
         SessionEvent::NeedMore => return (used, None),
         SessionEvent::Start { bytes_ago } => {
             let bytes_behind = bytes.len().saturating_sub(used) as u32 + u32::from(bytes_ago);
-            let age_us = session.baud().line_time_us(bytes_behind);
+            // The line is silent after each telegram.
+            let (settings, baud) = (session.settings(), session.baud());
+            let length = settings.telegram_bytes();
+            let silence_us = settings.period_us().saturating_sub(baud.line_time_us(length));
+            let age_us = baud.line_time_us(bytes_behind) + bytes_behind / length * silence_us;
             ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
         }
         SessionEvent::Scan => ScannerEvent::Scan,
