@@ -4,6 +4,7 @@ use scanseg_core::{
     Beams, Config, ConfigError, EdgeSegmenter, Finished, Memory, PlaneSegmenter, PushError, RegionSegmenter, Sink,
     Status,
 };
+use scanseg_hal::rig::RowSegmenter;
 
 /// What segments a scan: the default, or one of the paper's two approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,5 +67,15 @@ impl<'a> Segmenter<'a> {
             Segmenter::Edge(segmenter) => segmenter.finish(sink),
             Segmenter::Region(segmenter) => segmenter.finish(sink),
         }
+    }
+}
+
+impl RowSegmenter for Segmenter<'_> {
+    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
+        Segmenter::push_row(self, ranges_m, turn_rad, sink)
+    }
+
+    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
+        Segmenter::finish(self, sink)
     }
 }

@@ -4,9 +4,13 @@ mod bench;
 mod demo;
 mod evaluate;
 mod experiment;
+mod listen;
 mod lists;
+mod messages;
 mod office;
 mod options;
+mod replay;
+mod rig;
 mod segment;
 
 use std::error::Error;
@@ -37,6 +41,9 @@ enum Command {
     Evaluate(evaluate::Arguments),
     Office(office::Arguments),
     Experiment(experiment::Arguments),
+    Rig(rig::Arguments),
+    Replay(replay::Arguments),
+    Listen(listen::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr.
@@ -63,6 +70,9 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Office(arguments) => office::run(&arguments),
         Command::Experiment(arguments) => experiment::run(&arguments),
+        Command::Rig(arguments) => rig::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Listen(arguments) => listen::run(&arguments),
     }
 }
 

@@ -57,8 +57,12 @@ pub const EDGE: &str = "edge-based";
 /// Name of the paper's region-based method.
 pub const REGION: &str = "region-based";
 
+/// Name of the default.
+pub const DEFAULT: &str = "default";
+
 /// The methods compared; one more is one entry more.
 pub const METHODS: &[Method] = &[
+    Method { name: DEFAULT, approach: Approach::Plane, config: Config::new },
     Method { name: EDGE, approach: Approach::Edge, config: paper },
     Method { name: REGION, approach: Approach::Region, config: paper },
 ];
