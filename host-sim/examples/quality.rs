@@ -100,16 +100,15 @@ fn pieces(ranges: &RangeImage, truth: &[u16], kept: impl Fn(usize) -> bool) -> V
 fn edges(ranges: &RangeImage, truth: &[u16], given_back: bool) -> Vec<u16> {
     let inner = |pixel: usize| neighbours(ranges, pixel).all(|other| truth[other] == truth[pixel]);
     let mut labels = pieces(ranges, truth, inner);
-    while given_back {
+    loop {
         let take = |pixel: usize| neighbours(ranges, pixel).find(|&o| labels[o] != 0 && truth[o] == truth[pixel]);
         let free = (0..truth.len()).filter(|&pixel| labels[pixel] == 0 && truth[pixel] != 0);
         let given: Vec<_> = free.filter_map(|pixel| Some((pixel, labels[take(pixel)?]))).collect();
-        if given.is_empty() {
-            break;
+        if given.is_empty() || !given_back {
+            return labels;
         }
         given.into_iter().for_each(|(pixel, label)| labels[pixel] = label);
     }
-    labels
 }
 
 fn neighbours(ranges: &RangeImage, pixel: usize) -> impl Iterator<Item = usize> {
