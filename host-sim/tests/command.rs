@@ -248,7 +248,7 @@ fn demo_needs_nothing_and_repeats_itself() {
             "{name}"
         );
     }
-    assert_eq!(Geometry::read(folder.join("a/geometry.toml")).unwrap().range_noise_m, Some(0.001));
+    assert_eq!(Geometry::read(folder.join("a/geometry.toml")).unwrap().range_noise_m, Some(0.01));
     let large = json(folder.join("a/segments.json"))["segments"][3]["pixels"].as_u64().unwrap();
     assert!(large > 3000, "floor, ceiling and walls are found: {large}");
     fails(&folder, "demo --out e --range-noise-m -1", &["range_noise_m"]);
