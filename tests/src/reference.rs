@@ -13,10 +13,13 @@ pub mod beams;
 pub mod bearing;
 pub mod closing;
 pub mod edges;
+pub mod follow;
 pub mod labels;
 pub mod lines;
+pub mod pieces;
 pub mod planes;
 pub mod regions;
+pub mod surfaces;
 
 use beams::Beams;
 use closing::Element;
