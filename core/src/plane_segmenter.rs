@@ -187,17 +187,17 @@ impl<'a> PlaneSegmenter<'a> {
             })?;
         }
 
-        self.surfaces.refit();
-        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
-        self.surfaces.bridge(&noise, sink)?;
-        self.surfaces.settle(slots);
-        self.surfaces.close(false, sink)?;
-
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
             *free &= pack(&none);
         }
         sink.edges(&EdgeRow { row: at.row, columns, words: free })?;
+
+        self.surfaces.refit();
+        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
+        self.surfaces.bridge(&noise, sink)?;
+        self.surfaces.settle(slots);
+        self.surfaces.close(false, sink)?;
         let labels = RunLabels::Slots { slots, table: self.surfaces.table() };
         sink.row(&LabelRow { row: at.row, columns, returns, labels })?;
         ControlFlow::Continue(unlabelled)
@@ -280,7 +280,8 @@ fn join_neighbours<S: Sink>(
         let [here, up, right] =
             [(slots, from), (above, from), (slots, from + 1)].map(|(row, from)| *load(row, from, &mut [NONE; CHUNK]));
         let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
-        differ[CHUNK - 1] = true;
+        // the neighbour may be in the next chunk, or across the seam
+        differ[CHUNK.min(columns - from) - 1] = true;
         let mut bits = pack(&differ) & mask(from / CHUNK, columns);
         while bits != 0 {
             let column = from + bits.trailing_zeros() as usize;

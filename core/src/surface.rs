@@ -190,8 +190,10 @@ impl<'a> Surfaces<'a> {
         self.table[usize::from(slot)] = Area::begin(self.next_label, self.row, line.start as u16, slot);
         self.next_label += 1;
         *self.state(slot) = LIVE;
-        self.planes[usize::from(slot) * PLANE_LEN + 3] =
-            (squares * noise.range_m2 / mean_square_range_m2(moments)) as f32;
+        let p = usize::from(slot) * PLANE_LEN;
+        // no plane, which nothing follows: some points never make one
+        self.planes[p..p + 3].fill(0.0);
+        self.planes[p + 3] = (squares * noise.range_m2 / mean_square_range_m2(moments)) as f32;
         self.extend(slot, line, moments);
         slot
     }
