@@ -134,8 +134,8 @@ fn neighbours(ranges: &RangeImage, pixel: usize) -> impl Iterator<Item = usize> 
 fn recorded() -> Result<(), Box<dyn error::Error>> {
     let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
     let read = |folder: &str, image: &str, geometry: &str| -> Result<_, Box<dyn error::Error>> {
-        let geometry = Geometry::read(&data.join(folder).join(geometry))?;
-        let ranges = RangeImage::from_grey(&GreyImage::read(&data.join(folder).join(image))?, &geometry)?;
+        let geometry = Geometry::read(data.join(folder).join(geometry))?;
+        let ranges = RangeImage::from_grey(&GreyImage::read(data.join(folder).join(image))?, &geometry)?;
         let noise_m = geometry.range_noise_m.unwrap_or(0.01) as f32;
         Ok(segmented(&ranges, &geometry, noise_m))
     };
@@ -146,14 +146,14 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
             break;
         }
         let labels = read(corridor, &format!("{scan}.range_mm.pgm"), "geometry.toml")?;
-        let planes = GreyImage::read(&data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
+        let planes = GreyImage::read(data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
         let best = best_overlaps(&planes, &labels, 3000);
         let mean = best.iter().sum::<f64>() / best.len() as f64;
         println!("{corridor} {scan}: mean best overlap {mean:.3} of {best:.2?}");
     }
     if data.join(synpeb).is_dir() {
         let labels = read(synpeb, "test_100.range_100um.pgm", "test_100.geometry.toml")?;
-        let truth = GreyImage::read(&data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
+        let truth = GreyImage::read(data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
         let truth: Vec<u16> = truth.iter().map(|&id| if id < 10 { 0 } else { id }).collect();
         let [at, _] = classes(&truth, &labels);
         println!("{synpeb}: {} of {} correct at T = 0.8", at.correct, at.truth_regions);
