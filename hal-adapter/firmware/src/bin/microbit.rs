@@ -2,6 +2,7 @@
 #![no_std]
 #![no_main]
 
+use m0_float as _;
 use scanseg_core::{Beams, Columns, Config, EdgeSegmenter, TurnAxis, buffers};
 use scanseg_firmware::mux::{Channel, Line};
 use scanseg_firmware::{chain, meter::Nrf51Timer, uart::nrf51::Uart, wire::SpiOver};
