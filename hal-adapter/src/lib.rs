@@ -5,36 +5,30 @@
 //! - [`encoder`]: tilt encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature counts; and their calibration.
 //! - [`pairing`]: which turn angle belongs to a scan line, and to each beam within it.
 //!
-//! Scanner, encoder and pairing together:
+//! - [`rig`]: scanner, tilt and segmenter together: bytes in, segments out.
+//! - [`link`]: the results as frames of bytes, for a serial line to a host.
+//!
+//! A board with a scanner and an encoder:
 //!
 //! ```
 //! use embedded_hal::delay::DelayNs;
+//! use scanseg_hal::Clock;
 //! use scanseg_hal::encoder::{Encoder, Tilt};
-//! use scanseg_hal::lms2xx::{Error, ScannerEvent, Settings, blocking::{Port, Scanner}};
-//! use scanseg_hal::{Clock, pairing::{Pairing, Sweep}};
+//! use scanseg_hal::lms2xx::{Error, blocking::{Port, Scanner}};
+//! use scanseg_hal::rig::{Rig, RigSink, RowSegmenter};
 //!
-//! /// Hands over the beams of each row: column, range in millimetres, turn angle in radians.
 //! fn run<P: Port, C: Clock, D: DelayNs, E: Encoder>(
 //!     mut scanner: Scanner<P, C, D>,
-//!     settings: Settings,
 //!     mut tilt: Tilt<E>,
 //!     mut clock: impl Clock,
-//!     mut beam: impl FnMut(u16, Option<u32>, f32),
+//!     mut rig: Rig<impl RowSegmenter>,
+//!     mut sink: impl RigSink,
 //! ) -> Result<(), Error<P::Error>> {
-//!     let mut pairing = Pairing::new();
 //!     loop {
-//!         match scanner.next_event()? {
-//!             ScannerEvent::Start { time_us } => pairing.start(time_us, tilt.read(&mut clock).ok()),
-//!             ScannerEvent::Scan => {
-//!                 let Some(scan) = scanner.scan() else { continue };
-//!                 let Some(turns) = pairing.row(Sweep::of(&scan, settings.variant)) else { continue };
-//!                 for (column, measured) in (0..).zip(scan.beams(settings.mode)) {
-//!                     beam(column, measured.range_mm(scan.unit()), turns.beam_turn_rad(column));
-//!                 }
-//!             }
-//!             // Dealt with; a display may want to know.
-//!             ScannerEvent::Rejected(_) | ScannerEvent::Trouble(_) => {}
-//!         }
+//!         let event = scanner.next_event()?;
+//!         rig.tilt(tilt.read(&mut clock).ok());
+//!         rig.handle(event, scanner.scan(), &mut sink);
+//!         rig.idle(clock.now_us(), &mut sink);
 //!     }
 //! }
 //! ```
@@ -42,8 +36,10 @@
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod encoder;
+pub mod link;
 pub mod lms2xx;
 pub mod pairing;
+pub mod rig;
 
 /// A clock that the shells read.
 pub trait Clock {

@@ -6,7 +6,7 @@
 //! second), one in steps of 0.25 degree four. At 0.5 rad/s a tilt moves by 0.38 degree between two mirror turns, so
 //! neighbouring columns of one telegram can differ by most of a step.
 //!
-//! The tilt is latched at each start byte. Two latches in a row give its rate, and with it the turn angle of every beam.
+//! The tilt is sampled as the telegrams come. Two samples give its rate, and with it the turn angle of every beam.
 //!
 //! What that buys, simulated: a floor 1 m below a scanner that tilts at 0.5 rad/s, seen up to 6 m away, encoder of 14 bits;
 //! distance of the points from the floor, root mean square:
@@ -18,7 +18,7 @@
 
 use core::f32::consts::{PI, TAU};
 
-use crate::lms2xx::{Scan, Variant};
+use crate::lms2xx::{Scan, Settings, Variant};
 
 /// One turn of the mirror, in microseconds.
 pub const MIRROR_TURN_US: f32 = 1e6 / 75.0;
@@ -91,50 +91,100 @@ impl Sweep {
     }
 }
 
-/// Follows the tilt from start byte to start byte.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Pairing {
-    before: Option<Latch>,
-    now: Option<Start>,
-}
+/// Samples of the tilt that are kept.
+const KEPT: usize = 4;
 
+/// Follows the tilt, and says how it turned while a telegram's beams were measured.
+///
+/// The tilt may be sampled at each start byte or more often, whenever it suits; about once per telegram is enough, and one
+/// sample may fail. Of frequent samples only some are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Start {
-    latch: Latch,
-    start_us: u64,
+pub struct Pairing {
+    period_us: u32,
+    /// From where the beams of a telegram are, on average, to its start byte.
+    age_us: u32,
+    /// The oldest first, not closer than [`Pairing::spacing_us`] except for the last.
+    samples: [Latch; KEPT],
+    count: usize,
+    /// Two samples about the beams of the telegram that began last, and its start byte.
+    now: Option<(Latch, Latch, u64)>,
 }
 
 impl Pairing {
-    /// Has seen nothing.
+    /// For a scanner so set up. Has seen nothing.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { before: None, now: None }
+    pub const fn new(settings: &Settings) -> Self {
+        let turns = if settings.interlaced { 1 } else { settings.variant.turns() as u32 };
+        Self {
+            period_us: settings.period_us(),
+            age_us: turns * MIRROR_TURN_US as u32 / 2,
+            samples: [Latch { turn_rad: 0.0, time_us: 0 }; KEPT],
+            count: 0,
+            now: None,
+        }
     }
 
-    /// A start byte came at `start_us`, and the tilt was read on that occasion: `latch` carries its own time, by the same
-    /// clock; `None` if it could not be read, and then this telegram gets no row. If what began there was no telegram, the
-    /// next call takes its place.
-    pub fn start(&mut self, start_us: u64, latch: Option<Latch>) {
-        self.now = latch.map(|latch| Start { latch, start_us });
+    /// The tilt stood so. Samples come in the order of their times; an earlier one makes all before it forgotten.
+    pub fn sample(&mut self, latch: Latch) {
+        let spacing_us = self.spacing_us();
+        match self.kept() {
+            [.., last] if latch.time_us < last.time_us => self.count = 0,
+            [.., before, last] if last.time_us - before.time_us < spacing_us => self.count -= 1,
+            [last] if latch.time_us == last.time_us => self.count = 0,
+            _ => {}
+        }
+        if self.count == KEPT {
+            self.samples.rotate_left(1);
+            self.count -= 1;
+        }
+        if let Some(free) = self.samples.get_mut(self.count) {
+            *free = latch;
+            self.count += 1;
+        }
     }
 
-    /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` for the first telegram,
-    /// as long as there are not two latches to take a rate from, or if the two bear the same time.
+    /// A start byte came at `start_us`, by the clock of the samples. If what began there was no telegram, the next call
+    /// takes its place.
+    pub fn start(&mut self, start_us: u64) {
+        self.now = self.about(start_us.saturating_sub(u64::from(self.age_us))).map(|(a, b)| (a, b, start_us));
+    }
+
+    /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` if there are not two
+    /// samples near them to take a rate from: not more than two and a half telegrams apart, nor the beams later than the
+    /// last by more than that, nor earlier than the first.
     ///
-    /// The shorter way round is taken between two latches, so the tilt must turn by less than half a turn from one telegram
-    /// to the next.
+    /// The shorter way round is taken between two samples, so the tilt must turn by less than half a turn from one to the
+    /// next.
     pub fn row(&mut self, sweep: Sweep) -> Option<RowTurn> {
-        let Start { latch, start_us } = self.now.take()?;
-        let before = self.before.replace(latch)?;
-        let time_us = latch.time_us.checked_sub(before.time_us).filter(|&time_us| time_us > 0)?;
-        let rate_rad_per_us = shorter_way(latch.turn_rad - before.turn_rad) / time_us as f32;
-        // The latch is a little after the start byte, and the row before it.
-        let latch_age_us = latch.time_us.wrapping_sub(start_us) as i64 as f32;
+        let (before, after, start_us) = self.now.take()?;
+        let time_us = after.time_us - before.time_us;
+        let rate_rad_per_us = shorter_way(after.turn_rad - before.turn_rad) / time_us as f32;
+        let after_age_us = after.time_us.wrapping_sub(start_us) as i64 as f32;
         let age_us = sweep.mean_age_us();
-        let turn_rad = latch.turn_rad - rate_rad_per_us * (latch_age_us + age_us);
+        let turn_rad = after.turn_rad - rate_rad_per_us * (after_age_us + age_us);
         Some(RowTurn { turn_rad, rate_rad_per_us, age_us, sweep })
+    }
+
+    /// Two samples that tell how the tilt moved at this time.
+    fn about(&self, time_us: u64) -> Option<(Latch, Latch)> {
+        let reach_us = u64::from(self.period_us) * 5 / 2;
+        let kept = self.kept();
+        let at = kept.iter().position(|sample| sample.time_us >= time_us).unwrap_or(kept.len().checked_sub(1)?);
+        let (earlier, &[after, ..]) = kept.split_at_checked(at)? else { return None };
+        let spacing_us = self.spacing_us();
+        let before = *earlier.iter().rev().find(|sample| after.time_us - sample.time_us >= spacing_us)?;
+        let near = after.time_us - before.time_us <= reach_us && time_us.saturating_sub(after.time_us) <= reach_us;
+        near.then_some((before, after))
+    }
+
+    fn kept(&self) -> &[Latch] {
+        self.samples.get(..self.count).unwrap_or(&[])
+    }
+
+    /// A rate is taken over this time at least: three quarters of a telegram's, so that one sample per telegram serves.
+    fn spacing_us(&self) -> u64 {
+        u64::from(self.period_us) * 3 / 4
     }
 }
 
@@ -176,7 +226,7 @@ impl RowTurn {
 }
 
 /// The same turn within -pi to pi, for differences of at most a few turns.
-fn shorter_way(mut turn_rad: f32) -> f32 {
+pub(crate) fn shorter_way(mut turn_rad: f32) -> f32 {
     turn_rad %= TAU;
     if turn_rad > PI {
         turn_rad -= TAU;

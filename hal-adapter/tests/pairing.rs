@@ -1,7 +1,7 @@
 //! When beams were measured, and which turn angle they get.
 
 use scanseg_hal::lms2xx::crc::check_word;
-use scanseg_hal::lms2xx::{Decoder, Event, Variant};
+use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Settings, Unit, Variant};
 use scanseg_hal::pairing::{Latch, MIRROR_TURN_US, Pairing, Sweep};
 
 /// The sweep of a scan with this code, what stands before the count word, and this count word.
@@ -55,53 +55,100 @@ fn ages() {
     assert_eq!(part.age_us(1), two.age_us(90));
 }
 
-fn latch(turn_rad: f32, time_us: u64) -> Option<Latch> {
-    Some(Latch { turn_rad, time_us })
+const SETTINGS: Settings = Settings {
+    baud: Baud::B500000,
+    variant: Variant::Deg180Step05,
+    unit: Unit::Millimetre,
+    mode: MeasuringMode::Range32Field,
+    interlaced: false,
+};
+
+fn latch(turn_rad: f32, time_us: u64) -> Latch {
+    Latch { turn_rad, time_us }
 }
 
 #[test]
 fn rows() {
     let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
-    let mut pairing = Pairing::new();
-    assert_eq!(pairing.row(sweep), None, "nothing has begun");
-    pairing.start(1_000_000, latch(1.0, 1_000_100));
+    let mut pairing = Pairing::new(&SETTINGS);
+    pairing.start(500_000);
+    assert_eq!(pairing.row(sweep), None, "no sample yet");
+    pairing.sample(latch(1.0, 1_000_100));
+    pairing.start(1_000_000);
     assert_eq!(pairing.row(sweep), None, "no rate yet");
-    // A false start, and the true one after it.
-    pairing.start(1_010_000, latch(1.3, 1_010_100));
-    pairing.start(1_026_700, latch(1.1, 1_026_800));
+    // A false start, and the true one after it. The sample in between is too near to the first.
+    pairing.sample(latch(1.03, 1_010_100));
+    pairing.start(1_010_000);
+    pairing.sample(latch(1.1, 1_026_800));
+    pairing.start(1_026_700);
     let row = pairing.row(sweep).expect("row");
     let rate = 0.1 / 0.0267;
     close(row.rate_rad_per_s(), rate);
-    // The latch came 100 us after the start byte.
-    let latched_late = 1e-4 * rate;
+    // The sample was taken 100 us after the start byte.
+    let sampled_late = 1e-4 * rate;
     for column in [0, 1, 180, 359, 360] {
-        close(row.beam_turn_rad(column), 1.1 - latched_late - rate * sweep.age_us(column) / 1e6);
+        close(row.beam_turn_rad(column), 1.1 - sampled_late - rate * sweep.age_us(column) / 1e6);
     }
     let drifts: f32 = (0..361).map(|column| row.drift_rad(column)).sum();
     assert!(drifts.abs() < 1e-3, "the row's angle is the mean of its beams'");
     assert_eq!(pairing.row(sweep), None, "each row once");
-    // A telegram was lost: the rate is taken over two periods.
-    pairing.start(1_080_100, latch(1.3, 1_080_200));
+    // A sample failed: the rate is taken over two periods.
+    pairing.sample(latch(1.3, 1_080_200));
+    pairing.start(1_080_100);
     close(pairing.row(sweep).expect("row").rate_rad_per_s(), 0.2 / 0.0534);
-    // The encoder failed at the true start: that of the false one does not serve.
-    pairing.start(1_090_000, latch(1.3, 1_090_100));
-    pairing.start(1_106_800, None);
+    // Two failed: too long ago.
+    pairing.sample(latch(1.6, 1_160_300));
+    pairing.start(1_160_200);
     assert_eq!(pairing.row(sweep), None);
-    // Two latches at one time have no rate, nor has a clock that ran backwards.
-    pairing.start(1_080_100, latch(1.4, 1_080_200));
+    // The sample after the start byte failed: the rate goes on.
+    pairing.sample(latch(1.7, 1_187_000));
+    pairing.start(1_213_700);
+    let row = pairing.row(sweep).expect("row");
+    close(row.turn_rad(), 1.7 + 0.1 / 0.0267 * (0.0267 - sweep.mean_age_us() / 1e6));
+    // But not for ever.
+    pairing.start(1_287_000);
     assert_eq!(pairing.row(sweep), None);
-    pairing.start(1_000_000, latch(1.5, 1_000_000));
+    // A clock that ran backwards.
+    pairing.sample(latch(1.7, 1_000_000));
+    pairing.start(1_000_000);
     assert_eq!(pairing.row(sweep), None);
+}
+
+/// The tilt is sampled every millisecond, whenever bytes have come, or a little after each start byte: always on a tilt
+/// that turns evenly, the angle is the true one. Also if the telegram is only found when the search goes back.
+#[test]
+fn sampled_at_any_pace() {
+    let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
+    for (every_us, late_us) in [(1_000, 0), (7_300, 0), (13_000, 0), (26_667, 300), (26_667, 20_000)] {
+        for found_after_us in [0, 5_000, 16_000] {
+            let mut pairing = Pairing::new(&SETTINGS);
+            let turn = |time_us: u64| 0.3 * time_us as f32 / 1e6;
+            for start_us in (0..1_000_000u64).step_by(26_667) {
+                let samples = start_us.saturating_sub(26_667) + found_after_us..=start_us + found_after_us;
+                for time_us in samples.filter(|us| us % every_us == late_us % every_us) {
+                    pairing.sample(latch(turn(time_us), time_us));
+                }
+                pairing.start(start_us);
+                let row = pairing.row(sweep);
+                assert!(row.is_some() || start_us < 110_000, "{every_us} {late_us} {start_us}");
+                if let Some(row) = row {
+                    close(row.rate_rad_per_s(), 0.3);
+                    let truth_rad = turn(start_us) - 0.3 * sweep.mean_age_us() / 1e6;
+                    assert!((row.turn_rad() - truth_rad).abs() < 1e-6, "{} {truth_rad}", row.turn_rad());
+                }
+            }
+        }
+    }
 }
 
 #[test]
 fn across_the_seam() {
-    let sweep = sweep(&[0xB0], 181, Variant::Deg180Step1);
+    let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
     for (before, now, step) in [(3.1, -3.1, 0.083_185), (-3.1, 3.1, -0.083_185), (6.2, 0.1, 0.183_185)] {
-        let mut pairing = Pairing::new();
-        pairing.start(0, latch(before, 0));
-        pairing.row(sweep);
-        pairing.start(100_000, latch(now, 100_000));
-        close(pairing.row(sweep).expect("row").rate_rad_per_s(), step * 10.0);
+        let mut pairing = Pairing::new(&SETTINGS);
+        pairing.sample(latch(before, 0));
+        pairing.sample(latch(now, 50_000));
+        pairing.start(50_000);
+        close(pairing.row(sweep).expect("row").rate_rad_per_s(), step * 20.0);
     }
 }

@@ -2,7 +2,7 @@
 //! put together again from telegrams and latches alone.
 
 use scanseg_hal::lms2xx::command::Command;
-use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Reading, Variant};
+use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Reading, Settings, Unit, Variant};
 use scanseg_hal::pairing::{Latch, Pairing, Sweep};
 use scanseg_sim::virtual_rig::{Beam, VirtualLms};
 
@@ -57,6 +57,13 @@ fn compare(variant: Variant, interlaced: bool, tilt: fn(f64) -> f64) -> Compared
         let range_m = FLOOR_M / down;
         if down > 0.0 && range_m < FARTHEST_M { (range_m * 1000.0).round() as u16 } else { 8191 }
     };
+    let settings = Settings {
+        baud: Baud::B500000,
+        variant,
+        unit: Unit::Centimetre,
+        mode: MeasuringMode::Range8Fields,
+        interlaced,
+    };
     let mut lms = VirtualLms::new(ranges).running(Baud::B500000, variant);
     if interlaced {
         let mut now_us = 1000;
@@ -64,7 +71,7 @@ fn compare(variant: Variant, interlaced: bool, tilt: fn(f64) -> f64) -> Compared
             now_us = lms.write(now_us, &[*byte], Baud::B500000) + 60;
         }
     }
-    let (mut decoder, mut pairing) = (Decoder::new(), Pairing::new());
+    let (mut decoder, mut pairing) = (Decoder::new(), Pairing::new(&settings));
     let (mut latched, mut row, mut beam) = (Errors::default(), Errors::default(), Errors::default());
     let mut beams = 0;
     let (mut latch_rad, mut start_us) = (0.0, 0);
@@ -83,8 +90,8 @@ fn compare(variant: Variant, interlaced: bool, tilt: fn(f64) -> f64) -> Compared
                     let exact = tilt((now_us + 100) as f64);
                     let bits = std::f64::consts::TAU / 16384.0;
                     latch_rad = (exact / bits).round() * bits;
-                    let latch = Latch { turn_rad: latch_rad as f32, time_us: now_us + 100 };
-                    pairing.start(now_us, Some(latch));
+                    pairing.sample(Latch { turn_rad: latch_rad as f32, time_us: now_us + 100 });
+                    pairing.start(now_us);
                 }
                 Event::Telegram { .. } => {
                     let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan()) else { continue };

@@ -101,6 +101,7 @@ enum State {
     Running {
         deadline_ms: u32,
     },
+    Listening,
 }
 
 /// One scanner on one line. About 900 bytes; `new` is `const`, so that it can be made in place in a static.
@@ -137,11 +138,21 @@ impl Session {
         }
     }
 
+    /// A session that sends nothing: for a scanner that was set up and started by others, or for bytes recorded from one.
+    /// It is always [`Phase::Running`].
+    #[must_use]
+    pub const fn listening(settings: Settings) -> Self {
+        let mut session = Self::new(settings);
+        session.state = State::Listening;
+        session.decoder.expect_scans(Some(settings.format()));
+        session
+    }
+
     /// How far the session is.
     #[must_use]
     pub fn phase(&self) -> Phase {
         match self.state {
-            State::Running { .. } => Phase::Running,
+            State::Running { .. } | State::Listening => Phase::Running,
             State::Tune { .. } | State::Pause { then: Step::Find, .. } => Phase::Finding,
             State::Send(Step::Find) | State::Await { step: Step::Find, .. } => Phase::Finding,
             _ => Phase::SettingUp,
@@ -192,6 +203,7 @@ impl Session {
                         self.failed(now_ms, step, Trouble::NoAnswer { command: self.command(step).code() });
                     }
                 }
+                State::Listening => return Action::Wait { ms: 1000 },
                 State::Running { deadline_ms } => {
                     if let Some(ms) = time_left(now_ms, deadline_ms) {
                         return Action::Wait { ms };
@@ -227,12 +239,17 @@ impl Session {
             return None;
         }
         match (self.state, event) {
-            (State::Running { .. }, Event::Start { bytes_ago }) => return Some(SessionEvent::Start { bytes_ago }),
+            (State::Listening, Event::Telegram { code: SCAN }) => return Some(SessionEvent::Scan),
+            (State::Running { .. } | State::Listening, Event::Start { bytes_ago }) => {
+                return Some(SessionEvent::Start { bytes_ago });
+            }
             (State::Running { .. }, Event::Telegram { code: SCAN }) => {
                 self.state = State::Running { deadline_ms: now_ms.wrapping_add(self.scan_timeout_ms()) };
                 return Some(SessionEvent::Scan);
             }
-            (State::Running { .. }, Event::Rejected(error)) => return Some(SessionEvent::Rejected(error)),
+            (State::Running { .. } | State::Listening, Event::Rejected(error)) => {
+                return Some(SessionEvent::Rejected(error));
+            }
             (State::Await { step, acknowledged: false, .. }, Event::Ack) => {
                 let deadline_ms = now_ms.wrapping_add(answer_ms(step) + telegram_ms(self.at));
                 self.state = State::Await { step, deadline_ms, acknowledged: true };
@@ -331,6 +348,9 @@ impl Session {
 
     fn start_over(&mut self, trouble: Trouble) {
         self.trouble = Some(trouble);
+        if matches!(self.state, State::Listening) {
+            return;
+        }
         self.search_from(self.at);
         self.state = State::Tune { settle_ms: PAUSE_MS };
     }

@@ -228,4 +228,16 @@ impl Settings {
     pub const fn format(&self) -> ScanFormat {
         ScanFormat { variant: self.variant, unit: self.unit, interlaced: self.interlaced }
     }
+
+    /// Time from one scan telegram to the next, in microseconds: as many whole scans as the line needs time for one.
+    #[must_use]
+    pub const fn period_us(&self) -> u32 {
+        let (turns, columns) = match self.interlaced {
+            true => (1, self.variant.view_deg() + 1),
+            false => (self.variant.turns() as u32, self.variant.columns()),
+        };
+        // 75 mirror turns a second; 10 bytes beside the values.
+        let scan_us = turns * 40_000 / 3;
+        self.baud.line_time_us(2 * columns as u32 + 10).div_ceil(scan_us) * scan_us
+    }
 }

@@ -155,7 +155,7 @@ impl Decoder {
 
     /// What every scan telegram must be from now on; others are rejected. `None` (as at first) takes any scan whose fields
     /// agree among themselves. The check word is weak, so set this as soon as it is known.
-    pub fn expect_scans(&mut self, format: Option<ScanFormat>) {
+    pub const fn expect_scans(&mut self, format: Option<ScanFormat>) {
         self.format = format;
     }
 

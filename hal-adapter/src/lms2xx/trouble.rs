@@ -1,7 +1,9 @@
 //! What can go wrong between a session and its scanner.
 
+use serde::{Deserialize, Serialize};
+
 /// What went wrong. The session retries by itself and never gives up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Trouble {
     /// No answer at any rate. The search goes on.

@@ -1,0 +1,317 @@
+//! The results on a serial line to a host: messages in frames, numbered, checked, and found again after any garbage.
+//!
+//! A frame is, in this order,
+//!
+//! ```text
+//! 00 | COBS of (sequence, message, CRC) | 00
+//! ```
+//!
+//! - **00** stands at both ends and nowhere else. Two in a row are one boundary. The one in front saves a frame whose
+//!   predecessor has lost its end, or that follows on other output of the board.
+//! - **COBS** (Cheshire and Baker): the bytes in blocks, each led by its length; the zeros between blocks are not sent.
+//! - **sequence**: counts the frames of a sender, 0 to 65535 and round again, as a varint.
+//! - **message**: a [`Message`] in postcard's format: the number of the variant as a varint, then its fields in the order
+//!   of their declaration. `f32` as the four bytes of its IEEE 754 form, lowest first: it arrives bit for bit. `u16`,
+//!   `u32`, `u64` as varints: seven bits a byte, the lowest first, bit 7 set in all bytes but the last. `u8` as itself.
+//!   `Option` as 00, or 01 and its content. An `enum` within a message as its number.
+//! - **CRC**: CRC-32/ISO-HDLC (that of zlib and Ethernet) of sequence and message, lowest byte first. A flipped bit in a
+//!   plane cannot be seen otherwise.
+//!
+//! Numbers of the messages: 0 [`Message::Hello`], 1 [`Message::ScanStarted`], 2 [`Message::Segment`], 3 [`Message::Join`],
+//! 4 [`Message::ScanFinished`], 5 [`Message::Status`], 6 [`Message::Trouble`].
+//!
+//! Frame 0 of a sender, saying hello, and frame 5, saying that area 300 has joined area 7:
+//!
+//! ```text
+//! 00                          boundary
+//! 01                          COBS: a zero, which is sequence 0
+//! 01                          COBS: a zero, which is message 0
+//! 06                          COBS: 5 bytes, and no zero behind the last
+//!    01                       version 1
+//!    84 E9 46 88              CRC 0x8846E984
+//! 00                          boundary
+//!
+//! 00                          boundary
+//! 0A                          COBS: 9 bytes
+//!    05                       sequence 5
+//!    03 AC 02 07              message 3; from 300 = 2 * 128 + 44; into 7
+//!    A6 84 47 60              CRC 0x604784A6
+//! 00                          boundary
+//! ```
+
+use core::ops::ControlFlow;
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use scanseg_core::{Join, LabelRow, Segment, Sink};
+use serde::{Deserialize, Serialize};
+
+use crate::lms2xx::Trouble;
+use crate::rig::{Counters, RigSink, ScanFinished, ScanStarted};
+
+/// Version of the messages, in [`Message::Hello`].
+pub const VERSION: u8 = 1;
+
+/// Longest frame, both boundaries included.
+pub const MAX_FRAME: usize = 128;
+
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// What a board tells its host.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Message {
+    /// First message of a sender that has just started; its sequence begins with it.
+    Hello {
+        /// [`VERSION`].
+        version: u8,
+    },
+    /// A scan has begun. Labels count anew.
+    ScanStarted(ScanStarted),
+    /// A segment is complete.
+    Segment(SegmentReport),
+    /// Two areas are one; see [`Join`].
+    Join {
+        /// The label that ends here.
+        from: u32,
+        /// The label that goes on.
+        into: u32,
+    },
+    /// A scan is over.
+    ScanFinished(ScanFinished),
+    /// Sent now and then, whether there are scans or not.
+    Status(Counters),
+    /// Something is wrong with the scanner.
+    Trouble(Trouble),
+}
+
+/// A segment, see [`Segment`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SegmentReport {
+    /// Its label.
+    pub label: u32,
+    /// Number of pixels.
+    pub pixels: u32,
+    /// First row with a pixel of it.
+    pub first_row: u16,
+    /// Last row with a pixel of it.
+    pub last_row: u16,
+    /// Leftmost column with a pixel of it.
+    pub first_column: u16,
+    /// Rightmost column with a pixel of it.
+    pub last_column: u16,
+    /// Mean of its points, metres.
+    pub centroid_m: [f32; 3],
+    /// Its plane, if its points make one.
+    pub plane: Option<PlaneReport>,
+}
+
+/// A plane, see [`scanseg_core::Plane`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PlaneReport {
+    /// Unit normal towards the scanner.
+    pub normal: [f32; 3],
+    /// Distance from the scanner, metres.
+    pub distance_m: f32,
+    /// Root of the mean squared distance of the points, metres.
+    pub rms_m: f32,
+    /// Covariance of (normal x, y, z, distance): xx, xy, xz, xd, yy, yz, yd, zz, zd, dd.
+    pub covariance: [f32; 10],
+}
+
+impl From<&Segment> for SegmentReport {
+    /// Computes the plane.
+    fn from(segment: &Segment) -> Self {
+        let plane = segment.plane().map(|plane| {
+            let [[xx, xy, xz, xd], [_, yy, yz, yd], [_, _, zz, zd], [_, _, _, dd]] = plane.covariance;
+            PlaneReport {
+                normal: plane.normal,
+                distance_m: plane.distance_m,
+                rms_m: plane.rms_m,
+                covariance: [xx, xy, xz, xd, yy, yz, yd, zz, zd, dd],
+            }
+        });
+        Self {
+            label: segment.label.0,
+            pixels: segment.pixels(),
+            first_row: segment.first_row,
+            last_row: segment.last_row,
+            first_column: segment.first_column,
+            last_column: segment.last_column,
+            centroid_m: segment.centroid_m(),
+            plane,
+        }
+    }
+}
+
+/// The memory for a frame is too small: [`MAX_FRAME`] bytes are enough for every message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FrameTooLong;
+
+impl core::fmt::Display for FrameTooLong {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "frame does not fit its memory; {MAX_FRAME} bytes are enough")
+    }
+}
+
+impl core::error::Error for FrameTooLong {}
+
+/// Makes frames of messages and numbers them.
+#[derive(Debug, Clone, Default)]
+pub struct Encoder {
+    sequence: u16,
+}
+
+impl Encoder {
+    /// The next frame is number 0; it should be a [`Message::Hello`].
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { sequence: 0 }
+    }
+
+    /// Writes a frame to the beginning of `buffer`; returns it.
+    ///
+    /// # Errors
+    /// [`FrameTooLong`]. The frame is not counted.
+    pub fn encode<'b>(&mut self, message: &Message, buffer: &'b mut [u8]) -> Result<&'b [u8], FrameTooLong> {
+        let (first, rest) = buffer.split_first_mut().ok_or(FrameTooLong)?;
+        *first = 0;
+        let cobs = Cobs::try_new(Slice::new(rest)).map_err(|_| FrameTooLong)?;
+        let numbered = (self.sequence, message);
+        let frame = postcard::serialize_with_flavor(&numbered, CrcModifier::new(cobs, CRC.digest()));
+        let length = 1 + frame.map_err(|_| FrameTooLong)?.len();
+        self.sequence = self.sequence.wrapping_add(1);
+        buffer.get(..length).ok_or(FrameTooLong)
+    }
+}
+
+/// What a [`Decoder`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Received {
+    /// A message.
+    Message {
+        /// Frames that are missing between the frame before and this one; 65536 are not seen.
+        lost: u16,
+        /// The message.
+        message: Message,
+    },
+    /// Bytes between two boundaries that are no good frame. If they were one, the next message counts it as lost.
+    Damaged {
+        /// Their number.
+        bytes: usize,
+    },
+}
+
+/// Finds messages in bytes.
+#[derive(Debug, Clone)]
+pub struct Decoder {
+    buffer: [u8; MAX_FRAME],
+    /// Bytes since the last boundary; the first of them are in the buffer.
+    count: usize,
+    expected: Option<u16>,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// Has seen nothing. The first message that it finds has lost none before it.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { buffer: [0; MAX_FRAME], count: 0, expected: None }
+    }
+
+    /// Takes bytes in pieces of any size; calls `received` for everything that they complete.
+    pub fn feed(&mut self, bytes: &[u8], mut received: impl FnMut(Received)) {
+        for &byte in bytes {
+            if byte != 0 {
+                if let Some(free) = self.buffer.get_mut(self.count) {
+                    *free = byte;
+                }
+                self.count = self.count.saturating_add(1);
+            } else if self.count > 0 {
+                received(self.frame());
+                self.count = 0;
+            }
+        }
+    }
+
+    fn frame(&mut self) -> Received {
+        let damaged = Received::Damaged { bytes: self.count };
+        let Some(frame) = self.buffer.get_mut(..self.count) else { return damaged };
+        let Ok(length) = cobs::decode_in_place(frame) else { return damaged };
+        let decoded = postcard::de_flavors::crc::take_from_bytes_u32(frame.get(..length).unwrap_or(&[]), CRC.digest());
+        let Ok(((sequence, message), [])) = decoded else { return damaged };
+        let expected = self.expected.replace(u16::wrapping_add(sequence, 1));
+        let lost = match (message, expected) {
+            (Message::Hello { .. }, _) | (_, None) => 0,
+            (_, Some(expected)) => sequence.wrapping_sub(expected),
+        };
+        Received::Message { lost, message }
+    }
+}
+
+/// A sink that turns what a rig finds into frames.
+#[derive(Debug)]
+pub struct Reporter<F> {
+    encoder: Encoder,
+    min_pixels: u32,
+    send: F,
+}
+
+impl<F: FnMut(&[u8])> Reporter<F> {
+    /// Gives each frame to `send`, a [`Message::Hello`] at once. Segments below `min_pixels` pixels are left out, and the
+    /// work for their planes with them.
+    pub fn new(min_pixels: u32, send: F) -> Self {
+        let mut reporter = Self { encoder: Encoder::new(), min_pixels, send };
+        reporter.send(&Message::Hello { version: VERSION });
+        reporter
+    }
+
+    /// Sends any message, such as a [`Message::Status`].
+    pub fn send(&mut self, message: &Message) {
+        let mut buffer = [0; MAX_FRAME];
+        if let Ok(frame) = self.encoder.encode(message, &mut buffer) {
+            (self.send)(frame);
+        }
+    }
+}
+
+impl<F: FnMut(&[u8])> Sink for Reporter<F> {
+    fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        self.send(&Message::Join { from: join.from.0, into: join.into.0 });
+        ControlFlow::Continue(())
+    }
+
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        if segment.pixels() >= self.min_pixels {
+            self.send(&Message::Segment(segment.into()));
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(&[u8])> RigSink for Reporter<F> {
+    fn scan_started(&mut self, scan: &ScanStarted) {
+        self.send(&Message::ScanStarted(*scan));
+    }
+
+    fn scan_finished(&mut self, scan: &ScanFinished) {
+        self.send(&Message::ScanFinished(*scan));
+    }
+
+    fn trouble(&mut self, trouble: Trouble) {
+        self.send(&Message::Trouble(trouble));
+    }
+}

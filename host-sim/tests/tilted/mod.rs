@@ -1,0 +1,158 @@
+//! A scanner on a tilt whose ranges tell the turn angle, and a segmenter that only takes notes.
+
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use scanseg_core::{Finished, LabelRow, PushError, Sink, Status};
+use scanseg_hal::lms2xx::{Baud, MeasuringMode, Settings, Trouble, Unit, Variant};
+use scanseg_hal::rig::{Dropped, Rig, RigSink, RowSegmenter, ScanFinished, ScanStarted, TiltLimits};
+use scanseg_sim::virtual_rig::{Chain, Motion, scanner_on_tilt};
+
+pub const SETTINGS: Settings = Settings {
+    baud: Baud::B500000,
+    variant: Variant::Deg180Step1,
+    unit: Unit::Millimetre,
+    mode: MeasuringMode::Range32Field,
+    interlaced: false,
+};
+pub const COLUMNS: usize = SETTINGS.variant.columns() as usize;
+
+/// Rate of the tilt, radians a second.
+pub const RATE: f64 = 0.6;
+pub const LIMITS: TiltLimits =
+    TiltLimits { min_rate_rad_per_s: 0.3, max_rate_rad_per_s: 0.9, sweep_rad: f32::INFINITY, pause_us: 1_000_000 };
+
+/// Back and forth between -0.6 and 0.6 rad.
+pub fn to_and_fro(time_us: f64) -> f64 {
+    let phase = (time_us * 1e-6 * RATE / 1.2).rem_euclid(2.0);
+    1.2 * (if phase < 1.0 { phase } else { 2.0 - phase }) - 0.6
+}
+
+/// The range tells the turn angle of the beam, a millimetre for a milliradian.
+pub fn telling(_bearing_deg: f64, turn_rad: f64) -> f64 {
+    turn_rad + 5.0
+}
+
+/// A row as the segmenter got it.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    pub turn_rad: f64,
+    /// Told by the ranges.
+    pub truth_rad: f64,
+}
+
+/// Keeps the rows of the scans, each scan a list of its own.
+#[derive(Debug, Clone, Default)]
+pub struct Notes(pub Rc<RefCell<Vec<Vec<Row>>>>);
+
+impl RowSegmenter for Notes {
+    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, _: &mut impl Sink) -> Result<Status, PushError> {
+        let mut sorted = ranges_m.to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let truth_rad = f64::from(sorted[sorted.len() / 2]) - 5.0;
+        let mut scans = self.0.borrow_mut();
+        if scans.is_empty() {
+            scans.push(vec![]);
+        }
+        scans.last_mut().unwrap().push(Row { turn_rad: turn_rad.into(), truth_rad });
+        Ok(Status::Buffered)
+    }
+
+    fn finish(&mut self, _: &mut impl Sink) -> Finished {
+        let mut scans = self.0.borrow_mut();
+        let rows = scans.last().map_or(0, Vec::len);
+        scans.push(vec![]);
+        Finished::Complete { rows, unlabelled: 0 }
+    }
+}
+
+/// Everything that a rig told.
+#[derive(Debug, Default)]
+pub struct Seen {
+    pub started: Vec<ScanStarted>,
+    pub finished: Vec<ScanFinished>,
+    pub dropped: Vec<Dropped>,
+    pub troubles: Vec<Trouble>,
+}
+
+impl Sink for Seen {
+    fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl RigSink for Seen {
+    fn scan_started(&mut self, scan: &ScanStarted) {
+        assert_eq!(self.started.len(), self.finished.len(), "one scan at a time");
+        self.started.push(*scan);
+    }
+
+    fn row_dropped(&mut self, dropped: Dropped) {
+        self.dropped.push(dropped);
+    }
+
+    fn scan_finished(&mut self, scan: &ScanFinished) {
+        self.finished.push(*scan);
+        assert_eq!(self.started.len(), self.finished.len(), "every scan that ends has begun");
+        assert_eq!(self.started.last().unwrap().number, scan.number);
+    }
+
+    fn trouble(&mut self, trouble: Trouble) {
+        self.troubles.push(trouble);
+    }
+}
+
+pub struct Bench {
+    pub chain: Chain<'static, Notes>,
+    pub seen: Seen,
+    pub notes: Notes,
+}
+
+impl Bench {
+    pub fn new() -> Self {
+        let motion: Motion = Rc::new(to_and_fro);
+        let lms = scanner_on_tilt(SETTINGS, &motion, telling).running(Baud::B500000, SETTINGS.variant);
+        let notes = Notes::default();
+        let rows_m = Vec::leak(vec![0.0; 2 * COLUMNS]);
+        let rig = Rig::new(SETTINGS, LIMITS, notes.clone(), rows_m).expect("rig");
+        Self { chain: Chain::new(SETTINGS, lms, motion, rig), seen: Seen::default(), notes }
+    }
+
+    pub fn run_ms(&mut self, ms: u64) {
+        let end_us = self.chain.now_us() + ms * 1000;
+        while self.chain.now_us() < end_us {
+            self.chain.step(&mut self.seen);
+        }
+    }
+
+    /// Until so many more scans are over.
+    pub fn run_scans(&mut self, scans: usize) {
+        let (goal, begin_us) = (self.seen.finished.len() + scans, self.chain.now_us());
+        while self.seen.finished.len() < goal {
+            self.chain.step(&mut self.seen);
+            let took_s = (self.chain.now_us() - begin_us) / 1_000_000;
+            assert!(took_s < 30 + 10 * scans as u64, "{:?}", self.chain.rig.counters());
+        }
+    }
+
+    /// Every row has its own turn angle, to within an error in radians; rows of a scan follow each other; and the counters
+    /// agree with what was seen.
+    pub fn check_rows(&self, within_rad: f64) {
+        let scans = self.notes.0.borrow();
+        for rows in scans.iter() {
+            for row in rows {
+                let off_rad = (row.turn_rad - row.truth_rad).abs();
+                assert!(off_rad <= within_rad, "{row:?} is off by {off_rad}");
+            }
+            let rising = rows.windows(2).filter(|pair| pair[1].turn_rad > pair[0].turn_rad).count();
+            assert!(rising == 0 || rising + 1 == rows.len(), "a scan goes one way");
+        }
+        let counters = self.chain.rig.counters();
+        assert_eq!(counters.rows as usize, scans.iter().map(Vec::len).sum::<usize>());
+        assert_eq!(counters.scans as usize, self.seen.started.len());
+        assert_eq!(counters.dropped() as usize, self.seen.dropped.len());
+        let held = counters.telegrams - counters.rows - counters.dropped();
+        assert!(held <= 1, "{counters:?}");
+    }
+}
