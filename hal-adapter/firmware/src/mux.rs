@@ -25,7 +25,7 @@ pub enum Line {
 }
 
 /// One line of the UART `U`.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Channel<U> {
     uart: U,
     line: Line,

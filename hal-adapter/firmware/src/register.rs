@@ -6,8 +6,7 @@ pub(crate) struct Register(*mut u32);
 
 impl Register {
     /// # Safety
-    /// There is a register at `address` on every machine that runs this, and reading or writing it in any order does
-    /// nothing to memory.
+    /// There is a register at `address` on every machine that runs this, and reading or writing it does nothing to memory.
     pub const unsafe fn at(address: usize) -> Self {
         Self(address as *mut u32)
     }

@@ -1,25 +1,34 @@
-//! The encoder on a serial line.
+//! An SPI device on a serial line.
 
-use core::convert::Infallible;
-
-use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_io::{Read, Write};
 
-/// A serial port in place of an SPI bus: what would go out on MOSI is sent, and as many bytes are received as MISO.
+/// A serial port in place of an SPI bus, because QEMU has no SPI device that answers: the bytes of a transaction are sent as
+/// MOSI, then as many are received as MISO.
 #[derive(Debug)]
 pub struct SpiOver<P>(pub P);
 
-impl<P> ErrorType for SpiOver<P> {
-    type Error = Infallible;
+/// The port has failed, or the transaction is none that [`SpiOver`] carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WireError;
+
+impl Error for WireError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
 }
 
-impl<P: Read<Error = Infallible> + Write<Error = Infallible>> SpiDevice for SpiOver<P> {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+impl<P> ErrorType for SpiOver<P> {
+    type Error = WireError;
+}
+
+impl<P: Read + Write> SpiDevice for SpiOver<P> {
+    /// Only transfers in place, which is what the encoder's driver does.
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), WireError> {
         for operation in operations {
-            if let Operation::TransferInPlace(bytes) = operation {
-                let _ = self.0.write(bytes)?;
-                let _ = self.0.read_exact(bytes);
-            }
+            let Operation::TransferInPlace(bytes) = operation else { return Err(WireError) };
+            self.0.write_all(bytes).map_err(|_| WireError)?;
+            self.0.read_exact(bytes).map_err(|_| WireError)?;
         }
         Ok(())
     }

@@ -1,36 +1,38 @@
-//! Image for the micro:bit (Cortex-M0).
+//! Image for the micro:bit (Cortex-M0, 16 KiB of RAM): 181 columns. Scanner, encoder and link share the UART, see
+//! [`scanseg_firmware::mux`].
 #![no_std]
 #![no_main]
 
 use m0_float as _;
-use scanseg_core::{Beams, Columns, Config, EdgeSegmenter, TurnAxis, buffers};
+use scanseg_core::{EdgeSegmenter, buffers};
+use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
-use scanseg_firmware::{chain, meter::Nrf51Timer, uart::nrf51::Uart, wire::SpiOver};
-use scanseg_hal::lms2xx::{Decoder, Variant};
+use scanseg_firmware::run::{CONFIG, MICROBIT, MICROBIT_AREAS, Ports, limits, run};
+use scanseg_firmware::uart::nrf51::Uart;
+use scanseg_firmware::wire::SpiOver;
+use scanseg_hal::lms2xx::Session;
+use scanseg_hal::rig::{Rig, beams};
 
-const CONFIG: Config = Config { min_range_m: 0.48, ..Config::paper() };
-const COLUMNS: usize = 181;
+const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static mut BUFFERS: buffers!(COLUMNS, CONFIG) = <buffers!(COLUMNS, CONFIG)>::EMPTY;
-    static mut DECODER: Decoder = Decoder::new();
-    static mut ROW: [f32; COLUMNS] = [0.0; COLUMNS];
-    // SAFETY: the UART and the timer are there, and each is taken once.
-    let (uart, timer) = unsafe { (Uart::new(), Nrf51Timer::new()) };
-    let line = |line| Channel::new(uart, line);
-    let columns = Columns::Even { start_rad: -core::f32::consts::FRAC_PI_2, step_rad: 1_f32.to_radians() };
-    let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-    let Ok(segmenter) = EdgeSegmenter::new(CONFIG, beams, COLUMNS, BUFFERS.memory()) else { loop {} };
-    chain::run(
-        line(Line::Scanner),
-        SpiOver(line(Line::Encoder)),
-        line(Line::Link),
-        segmenter,
-        DECODER,
-        ROW,
-        Variant::Deg180Step1,
-        226,
-        timer,
-    )
+    static mut BUFFERS: buffers!(COLUMNS, CONFIG, MICROBIT_AREAS) =
+        <buffers!(COLUMNS, CONFIG, MICROBIT_AREAS)>::EMPTY;
+    static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
+    static mut SESSION: Session = Session::listening(MICROBIT);
+    figures::begin();
+    // SAFETY: this is an nRF51, and its UART is taken once.
+    let uart = unsafe { Uart::new() };
+    let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
+    let segmenter = EdgeSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
+    if let Ok(segmenter) = segmenter
+        && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
+    {
+        let ports = Ports { scanner, encoder: SpiOver(encoder), link };
+        run(ports, &MICROBIT, SESSION, &mut rig, || figures::send(link));
+    }
+    loop {
+        core::hint::spin_loop();
+    }
 }

@@ -1,30 +1,37 @@
-//! Image for the MPS2 boards AN386 (Cortex-M4F) and AN500 (Cortex-M7).
+//! Image for the MPS2 boards AN386 (Cortex-M4F) and AN500 (Cortex-M7): 361 columns. Scanner on UART 0, encoder on UART 1,
+//! link on UART 2.
 #![no_std]
 #![no_main]
 
-use scanseg_core::{Beams, Columns, Config, EdgeSegmenter, TurnAxis, buffers};
-use scanseg_firmware::{chain, meter::CmsdkTimer, uart::cmsdk::Uart, wire::SpiOver};
-use scanseg_hal::lms2xx::{Decoder, Variant};
+use scanseg_core::{EdgeSegmenter, buffers};
+use scanseg_firmware::figures::{self, Timed};
+use scanseg_firmware::run::{CONFIG, MPS2, Ports, limits, run};
+use scanseg_firmware::uart::cmsdk::Uart;
+use scanseg_firmware::wire::SpiOver;
+use scanseg_hal::lms2xx::Session;
+use scanseg_hal::rig::{Rig, beams};
 
-const CONFIG: Config = Config { min_range_m: 0.48, ..Config::paper() };
-const COLUMNS: usize = 361;
+const COLUMNS: usize = MPS2.variant.columns() as usize;
+/// Peripheral clock, 25 MHz, by 50: 500 000 Bd.
+const DIVIDER: u32 = 50;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut BUFFERS: buffers!(COLUMNS, CONFIG) = <buffers!(COLUMNS, CONFIG)>::EMPTY;
-    static mut DECODER: Decoder = Decoder::new();
-    static mut ROW: [f32; COLUMNS] = [0.0; COLUMNS];
-    // SAFETY: these UARTs and this timer are there on both boards, and each is taken once.
-    let (scanner, encoder, link, timer) = unsafe {
-        (
-            Uart::new(0x4000_4000, 50),
-            Uart::new(0x4000_5000, 50),
-            Uart::new(0x4000_6000, 50),
-            CmsdkTimer::new(0x4000_0000),
-        )
-    };
-    let columns = Columns::Even { start_rad: -core::f32::consts::FRAC_PI_2, step_rad: 0.5_f32.to_radians() };
-    let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-    let Ok(segmenter) = EdgeSegmenter::new(CONFIG, beams, COLUMNS, BUFFERS.memory()) else { loop {} };
-    chain::run(scanner, SpiOver(encoder), link, segmenter, DECODER, ROW, Variant::Deg180Step05, 226, timer)
+    static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
+    static mut SESSION: Session = Session::listening(MPS2);
+    figures::begin();
+    // SAFETY: both boards have these UARTs, and each is taken once.
+    let [scanner, encoder, link] =
+        [0x4000_4000, 0x4000_5000, 0x4000_6000].map(|base| unsafe { Uart::new(base, DIVIDER) });
+    let segmenter = EdgeSegmenter::new(CONFIG, beams(MPS2.variant), COLUMNS, BUFFERS.memory());
+    if let Ok(segmenter) = segmenter
+        && let Ok(mut rig) = Rig::new(MPS2, limits(&MPS2), Timed(segmenter), ROWS_M)
+    {
+        let ports = Ports { scanner, encoder: SpiOver(encoder), link };
+        run(ports, &MPS2, SESSION, &mut rig, || figures::send(link));
+    }
+    loop {
+        core::hint::spin_loop();
+    }
 }

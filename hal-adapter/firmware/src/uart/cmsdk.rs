@@ -4,13 +4,14 @@ use core::convert::Infallible;
 
 use embedded_io::{ErrorType, Read, Write};
 
+use crate::figures;
 use crate::register::Register;
 
 const TX_FULL: u32 = 1;
 const RX_FULL: u32 = 2;
 
 /// One UART.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Uart {
     data: Register,
     state: Register,
@@ -40,7 +41,9 @@ impl Read for Uart {
     /// Waits for one byte.
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
         let Some(byte) = bytes.first_mut() else { return Ok(0) };
+        figures::pause();
         while self.state.read() & RX_FULL == 0 {}
+        figures::resume();
         *byte = self.data.read() as u8;
         Ok(1)
     }

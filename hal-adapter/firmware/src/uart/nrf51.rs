@@ -4,6 +4,7 @@ use core::convert::Infallible;
 
 use embedded_io::{ErrorType, Read, Write};
 
+use crate::figures;
 use crate::register::Register;
 
 /// The one UART.
@@ -45,7 +46,9 @@ impl Read for Uart {
     /// Waits for one byte.
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
         let Some(byte) = bytes.first_mut() else { return Ok(0) };
+        figures::pause();
         while self.received.read() == 0 {}
+        figures::resume();
         // before the byte is taken: the next one in the queue raises it again
         self.received.write(0);
         *byte = self.rx.read() as u8;
