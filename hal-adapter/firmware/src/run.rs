@@ -29,7 +29,7 @@ pub const MPS2: Settings = settings(Variant::Deg180Step05);
 pub const MICROBIT: Settings = settings(Variant::Deg180Step1);
 
 /// Live labels of the image `microbit`. 91 are enough for every image of 181 columns; these fit its memory.
-pub const MICROBIT_AREAS: usize = 64;
+pub const MICROBIT_AREAS: usize = 48;
 
 /// How far the tilt turns from one telegram to the next, radians: that of the recorded scan.
 pub const ROW_RAD: f32 = 0.516_889 * core::f32::consts::PI / 180.0;

@@ -52,14 +52,16 @@ impl Read for Uart {
 impl Write for Uart {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
-            while self.state.read() & TX_FULL != 0 {}
+            self.flush()?;
             self.data.write(u32::from(byte));
         }
         Ok(bytes.len())
     }
 
     fn flush(&mut self) -> Result<(), Infallible> {
+        figures::pause();
         while self.state.read() & TX_FULL != 0 {}
+        figures::resume();
         Ok(())
     }
 }

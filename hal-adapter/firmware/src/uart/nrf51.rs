@@ -61,7 +61,9 @@ impl Write for Uart {
         for &byte in bytes {
             self.sent.write(0);
             self.tx.write(u32::from(byte));
+            figures::pause();
             while self.sent.read() == 0 {}
+            figures::resume();
         }
         Ok(bytes.len())
     }
