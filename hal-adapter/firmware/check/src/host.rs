@@ -40,7 +40,8 @@ pub fn expected(stream: &[u8], settings: &Settings, max_labels: Option<usize>) -
     let sensor = VirtualAs5048a::new(move || Recording::tilt_turns(settings, tilt_clock.borrow().now_us()));
     let mut link = Vec::new();
     let mut frames = Frames::new();
-    let ports = Ports { scanner: Clocked { stream, clock }, encoder: Spy { sensor, frames: &mut frames }, link: &mut link };
+    let ports =
+        Ports { scanner: Clocked { stream, clock }, encoder: Spy { sensor, frames: &mut frames }, link: &mut link };
     // runs until the stream ends
     run(ports, settings, &mut session, &mut rig, || {});
     Ok(Expected { link, frames })

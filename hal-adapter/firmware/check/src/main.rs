@@ -92,7 +92,10 @@ fn check(images: &Path) -> Result<bool> {
         "", "columns", "instructions/point", "segment.", "text", "rodata", "data", "flash", "static", "stack", "memory"
     );
     let mut good = true;
-    for machine in MACHINES.iter().filter(|m| std::env::var("ONLY").is_ok_and(|o| m.name.contains(&o)) || std::env::var("ONLY").is_err()) {
+    for machine in MACHINES
+        .iter()
+        .filter(|m| std::env::var("ONLY").is_ok_and(|o| m.name.contains(&o)) || std::env::var("ONLY").is_err())
+    {
         good &= machine.check(images, &recording)?;
     }
     Ok(good)
@@ -146,7 +149,10 @@ impl Machine {
         let (most, most_flash, most_memory) = self.most;
         let good = figures.all <= most && size.flash() <= most_flash && memory <= most_memory;
         if !good {
-            println!("{}: above a ceiling ({most} instructions/point, {most_flash} and {most_memory} bytes)", self.core);
+            println!(
+                "{}: above a ceiling ({most} instructions/point, {most_flash} and {most_memory} bytes)",
+                self.core
+            );
         }
         Ok(good)
     }
@@ -195,7 +201,9 @@ struct Figures {
 impl Figures {
     fn read(record: &[u8], tick_ns: f64, points: f64) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        if std::env::var("RAW").is_ok() { println!("{words:?}"); }
+        if std::env::var("RAW").is_ok() {
+            println!("{words:?}");
+        }
         let [MAGIC, ticks, in_segmenter, waits, empty_ticks, stack, _] = words[..] else { return None };
         let per_point = |ticks: f64| ticks * tick_ns / INSTRUCTION_NS / points;
         let of_waits = f64::from(waits) * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);

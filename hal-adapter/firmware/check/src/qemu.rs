@@ -26,7 +26,14 @@ pub enum Wiring {
 
 /// Runs an image: sends `stream` as the scanner and answers with `frames` as the encoder. Gives the first `wanted` bytes of
 /// the link, or those that came before the image fell silent or asked the encoder for something else.
-pub fn run(machine: &str, wiring: Wiring, image: &Path, stream: &[u8], frames: Frames, wanted: usize) -> io::Result<Vec<u8>> {
+pub fn run(
+    machine: &str,
+    wiring: Wiring,
+    image: &Path,
+    stream: &[u8],
+    frames: Frames,
+    wanted: usize,
+) -> io::Result<Vec<u8>> {
     let (_qemu, mut ports) = start(machine, wiring, image)?;
     let mut link = Vec::new();
     let ended = match &mut ports[..] {

@@ -146,7 +146,9 @@ mod tests {
             last = match random % 8 {
                 0 => random & 0xFFF0_0000,
                 1 => last ^ (random & 0x8000_000F),
-                2 => [0, SIGN, 1, IMPLICIT, FRACTION, INFINITY, INFINITY | 1, SIGN | INFINITY][random as usize >> 8 & 7],
+                2 => {
+                    [0, SIGN, 1, IMPLICIT, FRACTION, INFINITY, INFINITY | 1, SIGN | INFINITY][random as usize >> 8 & 7]
+                }
                 3 => last.wrapping_add(random >> 3 & 0x0300_0001),
                 // exponents of lengths and angles
                 4..=6 => random & 0x87FF_FFFF | 0x3800_0000,

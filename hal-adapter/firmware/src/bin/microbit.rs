@@ -17,8 +17,7 @@ const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static mut BUFFERS: buffers!(COLUMNS, CONFIG, MICROBIT_AREAS) =
-        <buffers!(COLUMNS, CONFIG, MICROBIT_AREAS)>::EMPTY;
+    static mut BUFFERS: buffers!(COLUMNS, CONFIG, MICROBIT_AREAS) = <buffers!(COLUMNS, CONFIG, MICROBIT_AREAS)>::EMPTY;
     static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
     static mut SESSION: Session = Session::listening(MICROBIT);
     figures::begin();
