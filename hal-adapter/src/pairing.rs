@@ -92,17 +92,17 @@ impl Sweep {
 }
 
 /// Samples of the tilt that are kept.
-const KEPT: usize = 4;
+const KEPT: usize = 6;
 
 /// Follows the tilt, and says how it turned while a telegram's beams were measured.
 ///
-/// The tilt may be sampled at each start byte or more often, whenever it suits; about once per telegram is enough, and one
-/// sample may fail. Of frequent samples only some are kept.
+/// The tilt is sampled at each start byte, or more often, whenever it suits: there must be a sample behind the beams of a
+/// telegram, and one before them. Of frequent samples only some are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pairing {
     period_us: u32,
-    /// From where the beams of a telegram are, on average, to its start byte.
+    /// From the middle beam of a telegram to its start byte, and half a millisecond of room.
     age_us: u32,
     /// The oldest first, not closer than [`Pairing::spacing_us`] except for the last.
     samples: [Latch; KEPT],
@@ -118,7 +118,7 @@ impl Pairing {
         let turns = if settings.interlaced { 1 } else { settings.variant.turns() as u32 };
         Self {
             period_us: settings.period_us(),
-            age_us: turns * MIRROR_TURN_US as u32 / 2,
+            age_us: (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4) + 500,
             samples: [Latch { turn_rad: 0.0, time_us: 0 }; KEPT],
             count: 0,
             now: None,
@@ -144,15 +144,14 @@ impl Pairing {
         }
     }
 
-    /// A start byte came at `start_us`, by the clock of the samples. If what began there was no telegram, the next call
+    /// A start byte came at `start_us`, by the clock of the samples; a sample taken on that occasion comes before this. If what began there was no telegram, the next call
     /// takes its place.
     pub fn start(&mut self, start_us: u64) {
         self.now = self.about(start_us.saturating_sub(u64::from(self.age_us))).map(|(a, b)| (a, b, start_us));
     }
 
-    /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` if there are not two
-    /// samples near them to take a rate from: not more than two and a half telegrams apart, nor the beams later than the
-    /// last by more than that, nor earlier than the first.
+    /// The telegram that began at the last `start` is complete: the turn angles of its beams. `None` if they do not
+    /// lie between two samples, or these are more than two and a half telegrams apart.
     ///
     /// The shorter way round is taken between two samples, so the tilt must turn by less than half a turn from one to the
     /// next.
@@ -168,13 +167,12 @@ impl Pairing {
 
     /// Two samples that tell how the tilt moved at this time.
     fn about(&self, time_us: u64) -> Option<(Latch, Latch)> {
-        let reach_us = u64::from(self.period_us) * 5 / 2;
         let kept = self.kept();
-        let at = kept.iter().position(|sample| sample.time_us >= time_us).unwrap_or(kept.len().checked_sub(1)?);
+        let at = kept.iter().position(|sample| sample.time_us >= time_us)?;
         let (earlier, &[after, ..]) = kept.split_at_checked(at)? else { return None };
         let spacing_us = self.spacing_us();
         let before = *earlier.iter().rev().find(|sample| after.time_us - sample.time_us >= spacing_us)?;
-        let near = after.time_us - before.time_us <= reach_us && time_us.saturating_sub(after.time_us) <= reach_us;
+        let near = after.time_us - before.time_us <= u64::from(self.period_us) * 5 / 2;
         near.then_some((before, after))
     }
 

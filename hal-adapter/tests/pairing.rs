@@ -100,13 +100,9 @@ fn rows() {
     pairing.sample(latch(1.6, 1_160_300));
     pairing.start(1_160_200);
     assert_eq!(pairing.row(sweep), None);
-    // The sample after the start byte failed: the rate goes on.
+    // The sample at the start byte failed: the rate does not simply go on.
     pairing.sample(latch(1.7, 1_187_000));
     pairing.start(1_213_700);
-    let row = pairing.row(sweep).expect("row");
-    close(row.turn_rad(), 1.7 + 0.1 / 0.0267 * (0.0267 - sweep.mean_age_us() / 1e6));
-    // But not for ever.
-    pairing.start(1_287_000);
     assert_eq!(pairing.row(sweep), None);
     // A clock that ran backwards.
     pairing.sample(latch(1.7, 1_000_000));
@@ -114,23 +110,23 @@ fn rows() {
     assert_eq!(pairing.row(sweep), None);
 }
 
-/// The tilt is sampled every millisecond, whenever bytes have come, or a little after each start byte: always on a tilt
-/// that turns evenly, the angle is the true one. Also if the telegram is only found when the search goes back.
+/// The tilt is sampled at each start byte, and every so often besides: on a tilt that turns evenly the angle is always the
+/// true one. Also if the telegram is only found later, when the search goes back.
 #[test]
 fn sampled_at_any_pace() {
     let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
-    for (every_us, late_us) in [(1_000, 0), (7_300, 0), (13_000, 0), (26_667, 300), (26_667, 20_000)] {
+    for every_us in [1_000, 7_300, 13_000, 26_667] {
         for found_after_us in [0, 5_000, 16_000] {
             let mut pairing = Pairing::new(&SETTINGS);
             let turn = |time_us: u64| 0.3 * time_us as f32 / 1e6;
             for start_us in (0..1_000_000u64).step_by(26_667) {
                 let samples = start_us.saturating_sub(26_667) + found_after_us..=start_us + found_after_us;
-                for time_us in samples.filter(|us| us % every_us == late_us % every_us) {
+                for time_us in samples.filter(|us| us % every_us == 0 || *us == start_us) {
                     pairing.sample(latch(turn(time_us), time_us));
                 }
                 pairing.start(start_us);
                 let row = pairing.row(sweep);
-                assert!(row.is_some() || start_us < 110_000, "{every_us} {late_us} {start_us}");
+                assert!(row.is_some() || start_us < 110_000, "{every_us} {start_us}");
                 if let Some(row) = row {
                     close(row.rate_rad_per_s(), 0.3);
                     let truth_rad = turn(start_us) - 0.3 * sweep.mean_age_us() / 1e6;

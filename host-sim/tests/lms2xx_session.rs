@@ -411,3 +411,35 @@ proptest! {
         bench.run_scans(3, 200_000);
     }
 }
+
+/// On wires that let no scan through whole, a good head now and then is enough: the scanner is left alone.
+#[test]
+fn damaged_scans_are_signs_of_life() {
+    let mut bench = Bench::new(VirtualLms::new(ramp).running(Baud::B38400, Variant::Deg180Step05), SETTINGS);
+    bench.run_scans(3, 40_000);
+    let (commands, scans) = (bench.lms.commands.len(), bench.scans);
+    bench.lms.wires.faults.flip_one_in = 50;
+    bench.run_ms(20_000);
+    assert!(bench.scans <= scans + 1 && bench.rejected > 50);
+    assert_eq!((bench.troubles.len(), bench.lms.commands.len()), (0, commands));
+    bench.lms.fall_silent(bench.now_us);
+    bench.run_ms(3_000);
+    assert_eq!(bench.troubles, [Trouble::Silent]);
+}
+
+#[test]
+fn listening_sends_nothing() {
+    let mut session = Session::listening(SETTINGS);
+    assert_eq!(session.phase(), Phase::Running);
+    assert!(matches!(session.poll(0), Action::Wait { .. }));
+    let mut message = b"\x02\x80\x17\x00\x90LMS200;301063;V02.10 \x10".to_vec();
+    message.extend(check_word(&message).to_le_bytes());
+    while let (used, event) = session.feed(100_000, &message)
+        && event != SessionEvent::NeedMore
+    {
+        message.drain(..used);
+    }
+    assert!(matches!(session.poll(100_000), Action::Tell(Trouble::Restarted)));
+    assert!(matches!(session.poll(1_000_000), Action::Wait { .. }));
+    assert_eq!(session.phase(), Phase::Running);
+}

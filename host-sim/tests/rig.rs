@@ -3,42 +3,418 @@
 
 mod tilted;
 
-use scanseg_hal::lms2xx::Trouble;
-use scanseg_hal::rig::{Dropped, End};
-use scanseg_sim::virtual_rig::EncoderFault;
-use tilted::{Bench, RATE};
+use std::rc::Rc;
+
+use scanseg_core::{Finished, PushError, Sink, Status};
+use scanseg_hal::lms2xx::crc::check_word;
+use scanseg_hal::lms2xx::{Baud, Session, Settings, Trouble, Variant};
+use scanseg_hal::pairing::Latch;
+use scanseg_hal::rig::{Counters, Dropped, End, Rig, RowSegmenter, TiltLimits};
+use scanseg_sim::virtual_rig::{Chain, EncoderFault, Faults, Motion, scanner_on_tilt};
+use tilted::*;
 
 /// Rows of a sweep of 1.2 rad at 75 rows a second.
 const SWEEP_ROWS: u16 = (1.2 / RATE * 75.0) as u16;
+/// A telegram of 181 values.
+const TELEGRAM: usize = 372;
+/// What is left where nothing is wrong: ranges of a millimetre, an encoder of 14 bits, and a tilt that turns back within a
+/// row.
+const EXACT_RAD: f64 = 0.001;
+
+/// Until so many more scans are over.
+fn run_scans(bench: &mut Bench, scans: usize) {
+    let (goal, begin_us) = (bench.seen.finished.len() + scans, bench.chain.now_us());
+    while bench.seen.finished.len() < goal {
+        bench.chain.step(&mut bench.seen);
+        let took_s = (bench.chain.now_us() - begin_us) / 1_000_000;
+        assert!(took_s < 30 + 10 * scans as u64, "{:?}", bench.chain.rig.counters());
+    }
+}
+
+/// [`check_rows`], and the counters agree with what was seen.
+fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
+    check_rows(notes, within_rad);
+    assert_eq!(counters.rows as usize, notes.0.borrow().iter().map(Vec::len).sum::<usize>());
+    assert_eq!(counters.scans as usize, seen.started.len());
+    assert_eq!(counters.dropped() as usize, seen.dropped.len());
+    assert_eq!(counters.troubles as usize, seen.troubles.len());
+    let held = counters.telegrams - counters.rows - counters.dropped();
+    assert!(held <= 1, "{counters:?}");
+}
+
+fn check_bench(bench: &Bench, within_rad: f64) {
+    check(&bench.counters(), &bench.notes, &bench.seen, within_rad);
+}
 
 #[test]
 fn sweeps_become_scans() {
     let mut bench = Bench::new();
-    bench.run_scans(4);
-    let counters = bench.chain.rig.counters();
+    run_scans(&mut bench, 4);
+    let counters = bench.counters();
     println!("{counters:?}");
-    assert_eq!(counters.telegrams, counters.rows);
+    assert_eq!((counters.telegrams, counters.no_turn), (counters.rows + 1, 1), "the first has no rate yet");
     assert_eq!((counters.rejected, counters.lost, counters.encoder_errors), (0, 0, 0));
     for scan in &bench.seen.finished[1..] {
         assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS));
     }
-    bench.check_rows(0.001);
+    check_bench(&bench, EXACT_RAD);
+}
+
+/// Damage of which every byte is known, to a stream of which every telegram is known.
+#[test]
+fn every_whole_telegram_is_used() {
+    #[derive(Debug, Clone, Copy)]
+    enum Damage {
+        Loss,
+        Flip,
+        Insertion,
+        Burst,
+    }
+    use Damage::*;
+    for (damage, one_in) in
+        [(Loss, 100), (Flip, 100), (Insertion, 100), (Burst, 3000), (Loss, 1000), (Flip, 1000), (Insertion, 1000)]
+    {
+        let motion: Motion = Rc::new(to_and_fro);
+        let mut lms = scanner_on_tilt(SETTINGS, &motion, telling).running(Baud::B500000, SETTINGS.variant);
+        let mut rows_m = vec![0.0; 2 * COLUMNS];
+        let (notes, mut seen) = (Notes::default(), Seen::default());
+        let mut rig = Rig::new(SETTINGS, LIMITS, notes.clone(), &mut rows_m).unwrap();
+        let mut session = Session::listening(SETTINGS);
+        let mut random = Random(one_in);
+        let (mut sent, mut burst, mut whole) = (0, 0, vec![]);
+        for time_us in (0..30_000_000).step_by(1000) {
+            let mut came = vec![];
+            for byte in lms.read(time_us, Baud::B500000) {
+                let (telegram, last) = (sent / TELEGRAM, sent % TELEGRAM == TELEGRAM - 1);
+                sent += 1;
+                whole.resize(telegram + 1, true);
+                let hit = burst > 0 || random.below(one_in) == 0;
+                match damage {
+                    _ if !hit => came.push(byte),
+                    Loss => whole[telegram] = false,
+                    Flip => {
+                        came.push(byte ^ 1 << random.below(8));
+                        whole[telegram] = false;
+                    }
+                    // Between telegrams it does no harm.
+                    Insertion => {
+                        came.extend([byte, random.below(256) as u8]);
+                        whole[telegram] &= last;
+                    }
+                    Burst => {
+                        came.push(random.below(256) as u8);
+                        whole[telegram] &= came.last() == Some(&byte);
+                        burst = if burst == 0 { 60 } else { burst - 1 };
+                    }
+                }
+            }
+            if !came.is_empty() {
+                let turn_rad = to_and_fro(time_us as f64) as f32;
+                rig.tilt(Some(Latch { turn_rad, time_us }));
+                rig.receive(&mut session, &came, time_us, &mut seen);
+            }
+        }
+        whole.truncate(sent / TELEGRAM);
+        // Nothing is left in the decoder.
+        rig.receive(&mut session, &[0; 1000], 30_000_000, &mut seen);
+        rig.finish(&mut seen);
+        let count = whole.iter().filter(|&&whole| whole).count() as u32;
+        let counters = rig.counters();
+        println!("{damage:?} in 1 of {one_in}: {count} of {} whole; {counters:?}", whole.len());
+        assert!(count >= 30 && counters.telegrams >= count, "all that were whole");
+        // Of two flipped bits the check word misses one pattern in a thousand.
+        assert!(counters.telegrams <= count + if matches!(damage, Flip) { 3 } else { 0 });
+        let first = whole.iter().position(|&whole| whole).unwrap();
+        let last = whole.iter().rposition(|&whole| whole).unwrap();
+        assert_eq!(counters.telegrams + counters.lost, (last - first + 1) as u32, "what is lost is counted");
+        check(&counters, &notes, &seen, EXACT_RAD);
+        assert!((counters.no_turn, counters.jump, counters.standing) <= (1, 0, 0), "the tilt is known all the time");
+        assert!(counters.status <= 1, "a damaged one that the check word let through");
+        assert!(counters.alone <= 2 * counters.scans + 10, "{counters:?}");
+    }
+}
+
+/// The session on damaged wires, commands and all, and then on good ones.
+#[test]
+fn damage_and_after() {
+    for one_in in [100, 300, 1000, 10_000] {
+        let mut bench = Bench::new();
+        run_scans(&mut bench, 2);
+        let before = bench.counters();
+        bench.chain.lms.wires.faults = Faults { drop_one_in: one_in, flip_one_in: one_in, insert_one_in: 2 * one_in };
+        bench.run_ms(20_000);
+        let during = bench.counters();
+        bench.chain.lms.wires.faults = Faults::default();
+        run_scans(&mut bench, 3);
+        println!("1 of {one_in}: {during:?}");
+        assert!(during.rejected > before.rejected + 10);
+        let after = bench.counters();
+        assert!(after.lost > before.lost || after.troubles > before.troubles);
+        let scan = bench.seen.finished.last().unwrap();
+        assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS), "the next scan is clean");
+        check_bench(&bench, EXACT_RAD);
+    }
 }
 
 #[test]
-fn encoder_stuck() {
+fn scanner_restarts_within_a_scan() {
     let mut bench = Bench::new();
-    bench.run_scans(2);
-    bench.run_ms(700);
-    bench.chain.encoder_fault = EncoderFault::Stuck;
-    bench.run_ms(600);
-    bench.chain.encoder_fault = EncoderFault::None;
-    bench.run_scans(3);
-    let counters = bench.chain.rig.counters();
-    println!("{counters:?} {:?}", bench.seen.finished);
-    assert!((40..48).contains(&counters.standing), "600 ms of rows");
-    assert!(bench.seen.dropped.iter().all(|why| matches!(why, Dropped::Standing | Dropped::Jump | Dropped::Alone)));
-    assert_eq!(bench.seen.finished.last().unwrap().rows, SWEEP_ROWS, "the next scan is clean");
-    bench.check_rows(0.005);
-    let _ = Trouble::Silent;
+    run_scans(&mut bench, 2);
+    bench.run_ms(1000);
+    bench.chain.lms.power_cycle(bench.chain.now_us());
+    run_scans(&mut bench, 3);
+    println!("{:?} {:?}", bench.seen.troubles, bench.counters());
+    assert!(bench.seen.troubles.contains(&Trouble::Silent) || bench.seen.troubles.contains(&Trouble::Restarted));
+    let ends: Vec<_> = bench.seen.finished.iter().map(|scan| scan.end).collect();
+    assert!(matches!(ends[2], End::Trouble | End::Pause), "{ends:?}");
+    assert_eq!(bench.counters().troubles as usize, bench.seen.troubles.len());
+    run_scans(&mut bench, 1);
+    let scan = bench.seen.finished.last().unwrap();
+    assert_eq!((scan.end, scan.rows), (End::Turned, SWEEP_ROWS), "the next scan is clean");
+    check_bench(&bench, EXACT_RAD);
+}
+
+#[test]
+fn encoder_stuck_and_dead() {
+    for (fault, ms) in [(EncoderFault::Stuck, 600), (EncoderFault::Dead, 600), (EncoderFault::Dead, 1500)] {
+        let mut bench = Bench::new();
+        run_scans(&mut bench, 2);
+        bench.run_ms(100);
+        bench.chain.encoder_fault = fault;
+        bench.run_ms(ms);
+        bench.chain.encoder_fault = EncoderFault::None;
+        run_scans(&mut bench, 3);
+        let counters = bench.counters();
+        println!("{fault:?} for {ms} ms: {counters:?}");
+        let (flagged, rows) = match fault {
+            EncoderFault::Stuck => (counters.standing, ms * 75 / 1000),
+            _ => (counters.no_turn, ms * 75 / 1000),
+        };
+        assert!((rows as u32 - 2..=rows as u32 + 2).contains(&flagged), "{rows} rows");
+        assert_eq!(counters.encoder_errors > 0, fault == EncoderFault::Dead);
+        // A pause of more than a second ends the scan.
+        let ends: Vec<_> = bench.seen.finished.iter().map(|scan| scan.end).collect();
+        assert_eq!(ends[2], if ms > 1000 { End::Pause } else { End::Turned });
+        assert_eq!(bench.seen.finished.last().unwrap().rows, SWEEP_ROWS, "the next scan is clean");
+        check_bench(&bench, EXACT_RAD);
+    }
+}
+
+/// One wrong sample, large or small: the rows about it are dropped, or it is so small that no limit is broken.
+#[test]
+fn encoder_glitches() {
+    let mut bench = Bench::new();
+    run_scans(&mut bench, 1);
+    let mut random = Random(7);
+    let mut scans = bench.seen.finished.len();
+    for _ in 0..400 {
+        bench.run_ms(70 + random.below(150));
+        let size_rad = 0.004 * 800f64.powf(random.below(1000) as f64 / 1000.0);
+        let off_rad = if random.below(2) == 0 { size_rad } else { -size_rad };
+        bench.chain.encoder_fault = EncoderFault::Off(off_rad);
+        bench.run_ms(1 + random.below(14));
+        bench.chain.encoder_fault = EncoderFault::None;
+        let now = bench.seen.finished.len();
+        if now > scans {
+            assert!(bench.seen.finished.last().unwrap().rows > 90, "a glitch does not end a scan");
+            scans = now;
+        }
+    }
+    println!("{:?}", bench.counters());
+    assert!(bench.counters().jump > 300 && scans > 20);
+    check_bench(&bench, GLITCH_RAD);
+}
+
+/// What a sample can be off without a rate beyond the limits: 0.3 rad/s over the 10 ms between samples, and the rows lie
+/// up to 7 ms beyond.
+const GLITCH_RAD: f64 = 0.3 * 0.017;
+
+/// The encoder slips on its shaft: rows before and after are never in one scan.
+#[test]
+fn encoder_slips() {
+    for off_rad in [0.03, -0.03, 0.1, -0.1, 0.5, -0.5] {
+        let mut bench = Bench::new();
+        run_scans(&mut bench, 1);
+        bench.run_ms(900);
+        bench.chain.encoder_fault = EncoderFault::Off(off_rad);
+        run_scans(&mut bench, 3);
+        println!("{off_rad}: {:?}", bench.counters());
+        assert!(bench.counters().jump > 0);
+        assert_eq!(bench.seen.dropped[0], Dropped::NoTurn);
+        assert!(
+            bench.seen.dropped[1..].iter().all(|why| matches!(why, Dropped::Jump | Dropped::Standing | Dropped::Alone))
+        );
+        for rows in bench.notes.0.borrow().iter().filter(|rows| !rows.is_empty()) {
+            let off_rad: Vec<f64> = rows.iter().map(|row| row.turn_rad - row.truth_rad).collect();
+            let most = off_rad.iter().copied().fold(f64::MIN, f64::max);
+            let least = off_rad.iter().copied().fold(f64::MAX, f64::min);
+            assert!(most - least < 2.0 * EXACT_RAD, "{off_rad:?}");
+        }
+        check_bench(&bench, off_rad.abs() + EXACT_RAD);
+    }
+}
+
+fn rig(motion: fn(f64) -> f64, limits: TiltLimits, segmenter: impl RowSegmenter + 'static) -> Seen {
+    let motion: Motion = Rc::new(motion);
+    let lms = scanner_on_tilt(SETTINGS, &motion, telling).running(Baud::B500000, SETTINGS.variant);
+    let mut rows_m = vec![0.0; 2 * COLUMNS];
+    let rig = Rig::new(SETTINGS, limits, segmenter, &mut rows_m).unwrap();
+    let mut chain = Chain::new(SETTINGS, lms, motion, rig);
+    let mut seen = Seen::default();
+    while chain.now_us() < 20_000_000 {
+        chain.step(&mut seen);
+    }
+    chain.rig.finish(&mut seen);
+    seen
+}
+
+/// A scanner that goes round and round: every half turn is a scan, and no row is lost between them.
+#[test]
+fn round_and_round() {
+    let notes = Notes::default();
+    let limits = TiltLimits { sweep_rad: std::f32::consts::PI, ..LIMITS };
+    let seen = rig(|time_us| -RATE * time_us * 1e-6, limits, notes.clone());
+    let rows: Vec<u16> = seen.finished.iter().map(|scan| scan.rows).collect();
+    println!("{rows:?}");
+    // pi / 0.6 * 75 = 392.7
+    assert!(rows.len() == 4 && rows[..3].iter().all(|rows| (392..=394).contains(rows)));
+    assert!(seen.finished[..3].iter().all(|scan| scan.end == End::Covered) && seen.finished[3].end == End::Asked);
+    assert_eq!(seen.finished[3].counters.telegrams, rows.iter().sum::<u16>() as u32 + 1);
+    for pair in seen.started.windows(2) {
+        let step_rad = (pair[0].turn_rad - pair[1].turn_rad).rem_euclid(std::f32::consts::TAU);
+        assert!((step_rad - std::f32::consts::PI).abs() < 0.02, "{step_rad}");
+    }
+}
+
+/// Takes so many rows of each scan, then breaks off or says that it is full.
+struct Full(usize, usize, Result<Status, PushError>);
+
+impl RowSegmenter for Full {
+    fn push_row(&mut self, _: &[f32], _: f32, _: &mut impl Sink) -> Result<Status, PushError> {
+        self.1 += 1;
+        if self.1 < self.0 { Ok(Status::Buffered) } else { self.2 }
+    }
+
+    fn finish(&mut self, _: &mut impl Sink) -> Finished {
+        Finished::Complete { rows: std::mem::take(&mut self.1), unlabelled: 3 }
+    }
+}
+
+#[test]
+fn the_sink_breaks_off_and_the_segmenter_is_full() {
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Ok(Status::Stopped)));
+    for scan in &seen.finished[1..seen.finished.len() - 1] {
+        assert_eq!((scan.rows, scan.end, scan.unlabelled), (50, End::Turned, 3));
+    }
+    let stopped = seen.dropped.iter().filter(|&&why| why == Dropped::Stopped).count() as u32;
+    let last = seen.finished.last().unwrap().counters;
+    assert_eq!((last.stopped, last.telegrams), (stopped, stopped + last.rows + 1));
+
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Err(PushError::TooManyRows)));
+    let ends: Vec<_> = seen.finished[1..7].iter().map(|scan| (scan.rows, scan.end)).collect();
+    assert!(ends.contains(&(49, End::Covered)) && ends.contains(&(3, End::Turned)), "150 = 3 x 49 + 3: {ends:?}");
+
+    let seen = rig(to_and_fro, LIMITS, Full(50, 0, Err(PushError::RowLength { expected: 1, got: 2 })));
+    let last = seen.finished.last().unwrap().counters;
+    assert!(last.refused > 0 && last.rows + last.refused + 1 == last.telegrams, "{last:?}");
+}
+
+/// A telegram of 181 ranges of 257 mm.
+fn telegram(status: u8) -> Vec<u8> {
+    let mut telegram = vec![0x02, 0x80, 0x6E, 0x01, 0xB0, 181, 0x40];
+    telegram.resize(TELEGRAM - 3, 1);
+    telegram.push(status);
+    telegram.extend(check_word(&telegram).to_le_bytes());
+    telegram
+}
+
+/// When the last byte of a telegram comes, and the tilt's turn angle then.
+fn end_of(row: u64) -> (u64, f32) {
+    let time_us = 1_000_000 + row * 40_000 / 3 + 7_440;
+    (time_us, (RATE * 1e-6 * time_us as f64) as f32)
+}
+
+/// A row whose telegram says that it is not to be believed.
+#[test]
+fn status_of_the_scanner() {
+    for (status, rows) in [(0x10, 6), (0x11, 6), (0x90, 6), (0x13, 5), (0x14, 5), (0x50, 5)] {
+        let mut rows_m = vec![0.0; 2 * COLUMNS];
+        let mut rig = Rig::new(SETTINGS, LIMITS, Notes::default(), &mut rows_m).unwrap();
+        let (mut session, mut seen) = (Session::listening(SETTINGS), Seen::default());
+        for row in 0..7 {
+            let (time_us, turn_rad) = end_of(row);
+            rig.tilt(Some(Latch { turn_rad, time_us }));
+            rig.receive(&mut session, &telegram(if row == 4 { status } else { 0x10 }), time_us, &mut seen);
+        }
+        rig.finish(&mut seen);
+        let counters = rig.counters();
+        assert_eq!((counters.rows, counters.status, counters.no_turn), (rows, 6 - rows, 1), "{status:#x}");
+    }
+}
+
+/// Bytes handed over late, several telegrams at once; and a false beginning whose end lies in a later telegram, so that the
+/// search goes back across the silence between telegrams. The turn angles stay the same.
+#[test]
+fn telegrams_in_large_pieces() {
+    for (at_once, with_false_start) in [(1, false), (2, false), (3, false), (1, true)] {
+        let mut rows_m = vec![0.0; 2 * COLUMNS];
+        let notes = Notes::default();
+        let mut rig = Rig::new(SETTINGS, LIMITS, notes.clone(), &mut rows_m).unwrap();
+        let (mut session, mut seen) = (Session::listening(SETTINGS), Seen::default());
+        let mut bytes = vec![];
+        for row in 0..60 {
+            let (time_us, turn_rad) = end_of(row);
+            rig.tilt(Some(Latch { turn_rad, time_us }));
+            if with_false_start && row == 30 {
+                // An answer of 700 bytes that never comes.
+                bytes.extend([0x02, 0x80, 0xBC, 0x02, 0xF4]);
+            }
+            bytes.extend(telegram(0x10));
+            if row % at_once == at_once - 1 {
+                rig.receive(&mut session, &bytes, time_us, &mut seen);
+                bytes.clear();
+            }
+        }
+        rig.finish(&mut seen);
+        let rows = &notes.0.borrow()[0];
+        println!("{at_once} at once: {:?}", rig.counters());
+        assert!(rows.len() > 55);
+        for row in rows {
+            let number = ((row.turn_rad / RATE * 1e6 - 1_000_000.0) * 3.0 / 40_000.0).round();
+            // The beams lie a quarter turn of the mirror before the start byte.
+            let truth_rad = RATE * 1e-6 * (1_000_000.0 + number * 40_000.0 / 3.0 - 10_000.0 / 3.0);
+            assert!((row.turn_rad - truth_rad).abs() < 1e-4, "{row:?} {truth_rad}");
+        }
+    }
+}
+
+#[test]
+fn wrong_rigs() {
+    let new = |settings, limits, memory: usize| {
+        Rig::new(settings, limits, Notes::default(), &mut vec![0.0; memory]).map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(new(SETTINGS, LIMITS, 362), Ok(()));
+    assert_eq!(new(SETTINGS, LIMITS, 361), Err("rows need memory for 362 ranges, got 361".into()));
+    for (min, max) in [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (f32::NAN, 1.0), (0.1, f32::NAN), (0.1, 236.0)] {
+        let limits = TiltLimits { min_rate_rad_per_s: min, max_rate_rad_per_s: max, ..LIMITS };
+        assert_eq!(new(SETTINGS, limits, 362), Err(format!("the tilt cannot turn at {min} to {max} rad/s")));
+    }
+    for sweep_rad in [0.0, -1.0, f32::NAN] {
+        let limits = TiltLimits { sweep_rad, ..LIMITS };
+        assert_eq!(new(SETTINGS, limits, 362), Err(format!("a sweep cannot be {sweep_rad} rad")));
+    }
+    let limits = TiltLimits { pause_us: 39_998, ..LIMITS };
+    assert_eq!(new(SETTINGS, limits, 362), Err("pause must be 39999 us or more, is 39998".into()));
+    let interlaced = Settings { interlaced: true, ..SETTINGS };
+    assert_eq!(new(interlaced, LIMITS, 362), Ok(()));
+    let half = Settings { variant: Variant::Deg180Step05, ..interlaced };
+    assert_eq!(new(half, LIMITS, 722), Err("interlaced scans make rows only in steps of 1 degree".into()));
+}
+
+/// What a board must have for the rig, besides the segmenter.
+#[test]
+fn size() {
+    let bytes = (size_of::<Rig<'static, ()>>(), size_of::<Session>());
+    println!("rig and session: {bytes:?}");
+    assert!(bytes.0 <= 400 && bytes.1 < 1024);
 }

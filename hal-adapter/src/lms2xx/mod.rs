@@ -24,6 +24,7 @@ mod trouble;
 pub use scan::{Beam, Reading, SCAN, SUB_RANGE, Scan, ScanError, ScanFormat};
 pub use session::{Action, Phase, Session, SessionEvent};
 pub use settings::{Baud, MeasuringMode, Settings, Unit, Variant};
+pub(crate) use shell::feed;
 pub use shell::{Error, ScannerEvent};
 pub use status::{Severity, Status};
 pub use telegram::{Decoder, Event, Fed, MAX_TELEGRAM, Telegram, TelegramError};

@@ -248,6 +248,10 @@ impl Session {
                 return Some(SessionEvent::Scan);
             }
             (State::Running { .. } | State::Listening, Event::Rejected(error)) => {
+                // On a bad line good scans may be rare, but one with a good head is a sign of life.
+                if let (State::Running { .. }, TelegramError::CheckWord { .. }) = (self.state, error) {
+                    self.state = State::Running { deadline_ms: now_ms.wrapping_add(self.scan_timeout_ms()) };
+                }
                 return Some(SessionEvent::Rejected(error));
             }
             (State::Await { step, acknowledged: false, .. }, Event::Ack) => {

@@ -229,15 +229,19 @@ impl Settings {
         ScanFormat { variant: self.variant, unit: self.unit, interlaced: self.interlaced }
     }
 
+    /// Length of a scan telegram in bytes, without index bytes; of interlaced scans the longest.
+    #[must_use]
+    pub const fn telegram_bytes(&self) -> u32 {
+        let columns = if self.interlaced { self.variant.view_deg() + 1 } else { self.variant.columns() };
+        2 * columns as u32 + 10
+    }
+
     /// Time from one scan telegram to the next, in microseconds: as many whole scans as the line needs time for one.
     #[must_use]
     pub const fn period_us(&self) -> u32 {
-        let (turns, columns) = match self.interlaced {
-            true => (1, self.variant.view_deg() + 1),
-            false => (self.variant.turns() as u32, self.variant.columns()),
-        };
-        // 75 mirror turns a second; 10 bytes beside the values.
+        // 75 mirror turns a second.
+        let turns = if self.interlaced { 1 } else { self.variant.turns() as u32 };
         let scan_us = turns * 40_000 / 3;
-        self.baud.line_time_us(2 * columns as u32 + 10).div_ceil(scan_us) * scan_us
+        self.baud.line_time_us(self.telegram_bytes()).div_ceil(scan_us) * scan_us
     }
 }

@@ -10,8 +10,8 @@ use super::trouble::Trouble;
 pub enum ScannerEvent {
     /// A scan may be beginning: read the tilt encoder now. Of several in a row the last one belongs to the scan.
     Start {
-        /// When the start byte came, by the clock given: the time of the call less that of the bytes behind it. It is as
-        /// late as the port was in handing its bytes over.
+        /// When the start byte came, by the clock given: the time of the call less that of the bytes behind it, and of the
+        /// silence between telegrams among them. It is as late as the port was in handing its bytes over.
         time_us: u64,
     },
     /// A scan: `scan()` gives it until the next call.
@@ -77,22 +77,31 @@ impl Inbox {
             return None;
         }
         let rest = self.bytes.get(self.from..self.to).unwrap_or(&[]);
-        let (used, event) = session.feed(to_ms(now_us), rest);
+        let (used, event) = feed(session, rest, now_us);
         self.from += used;
-        Some(match event {
-            SessionEvent::NeedMore => {
-                self.open = false;
-                return None;
-            }
-            SessionEvent::Start { bytes_ago } => {
-                let bytes_behind = (self.to - self.from) as u32 + u32::from(bytes_ago);
-                let age_us = session.baud().line_time_us(bytes_behind);
-                ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
-            }
-            SessionEvent::Scan => ScannerEvent::Scan,
-            SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
-        })
+        self.open = event.is_some();
+        event
     }
+}
+
+/// Gives a session bytes, the last of which came at `now_us`: how many it used, and what it told; `None` when it needs more.
+pub(crate) fn feed(session: &mut Session, bytes: &[u8], now_us: u64) -> (usize, Option<ScannerEvent>) {
+    let (used, event) = session.feed(to_ms(now_us), bytes);
+    let event = match event {
+        SessionEvent::NeedMore => return (used, None),
+        SessionEvent::Start { bytes_ago } => {
+            let bytes_behind = bytes.len().saturating_sub(used) as u32 + u32::from(bytes_ago);
+            // The line is silent after each telegram.
+            let (settings, baud) = (session.settings(), session.baud());
+            let length = settings.telegram_bytes();
+            let silence_us = settings.period_us().saturating_sub(baud.line_time_us(length));
+            let age_us = baud.line_time_us(bytes_behind) + bytes_behind / length * silence_us;
+            ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
+        }
+        SessionEvent::Scan => ScannerEvent::Scan,
+        SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
+    };
+    (used, Some(event))
 }
 
 /// The session's clock.

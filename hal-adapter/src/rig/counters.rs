@@ -24,8 +24,7 @@ pub enum Dropped {
     Refused,
 }
 
-/// What has happened since the rig was made. Counts wrap never in practice: the fastest grows by 75 a second, the bytes in
-/// 64 bits.
+/// What has happened since the rig was made. Counts go round at 2^32: telegrams after two years.
 ///
 /// `telegrams` is the sum of `rows` and all kinds of dropped ones, but for one that may still be held.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,11 +71,13 @@ impl Counters {
     /// Good telegrams that did not become rows.
     #[must_use]
     pub const fn dropped(&self) -> u32 {
-        self.no_turn + self.standing + self.jump + self.alone + self.status + self.columns + self.stopped + self.refused
+        let Self { no_turn, standing, jump, alone, status, columns, stopped, refused, .. } = *self;
+        let tilt = no_turn.wrapping_add(standing).wrapping_add(jump).wrapping_add(alone);
+        tilt.wrapping_add(status).wrapping_add(columns).wrapping_add(stopped).wrapping_add(refused)
     }
 
-    pub(super) fn count(&mut self, dropped: Dropped) {
-        *match dropped {
+    pub(super) fn of(&mut self, dropped: Dropped) -> &mut u32 {
+        match dropped {
             Dropped::NoTurn => &mut self.no_turn,
             Dropped::Standing => &mut self.standing,
             Dropped::Jump => &mut self.jump,
@@ -85,6 +86,10 @@ impl Counters {
             Dropped::Columns => &mut self.columns,
             Dropped::Stopped => &mut self.stopped,
             Dropped::Refused => &mut self.refused,
-        } += 1;
+        }
     }
+}
+
+pub(super) fn count(counter: &mut u32) {
+    *counter = counter.wrapping_add(1);
 }

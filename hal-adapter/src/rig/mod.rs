@@ -12,12 +12,13 @@
 //!
 //! No row gets a turn angle that is not known. A telegram makes a row only if the tilt was sampled near its beams, turned
 //! at a plausible rate ([`TiltLimits`]), and goes on where the rows before it were; a scan begins with two rows that agree.
-//! Every other telegram is dropped with its reason, [`Dropped`], and counted in [`Counters`]. An encoder that is wrong by so
-//! little that the rate stays within the limits is believed: between rows that is at most the difference of the limits
-//! times the time.
+//! Every other telegram is dropped with its reason, [`Dropped`], and counted in [`Counters`]. What cannot be seen is an
+//! encoder that is wrong by so little that the rate stays within the limits: by at most the difference between the rate and
+//! a limit, times the time between two rows.
 //!
-//! All beams of a row get the turn angle of the row, its mean. What is left of the tilt's movement within a row is in the
-//! table of [`pairing`](crate::pairing); with one mirror turn per row it is a quarter of that with two.
+//! All beams of a row get the turn angle of the row, its mean. What that leaves of the tilt's movement is in the table of
+//! [`pairing`](crate::pairing): on the floor there, at 0.5 rad/s, 5.6 mm if two mirror turns make a row, 1.1 mm if each is
+//! a row of its own. So take a variant in steps of 1 degree for a tilt that moves.
 //!
 //! ```
 //! use core::ops::ControlFlow;
@@ -65,87 +66,19 @@
 //! ```
 
 mod counters;
+mod limits;
 mod segmenter;
 
-use scanseg_core::{Beams, Columns, Finished, PushError, Status, TurnAxis};
+use scanseg_core::{Finished, PushError, Status};
 
 pub use counters::{Counters, Dropped};
+pub use limits::{RigError, TiltLimits, beams};
 pub use segmenter::{End, RigSink, RowSegmenter, ScanFinished, ScanStarted};
 
-use crate::lms2xx::{Scan, ScannerEvent, Session, SessionEvent, Settings, Severity, Trouble, Variant};
+use crate::lms2xx::{Scan, ScannerEvent, Session, Settings, Severity, Trouble, feed};
 use crate::pairing::{Latch, Pairing, RowTurn, Sweep, shorter_way};
+use counters::count;
 use segmenter::Counting;
-
-/// How the tilt moves within a sweep.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TiltLimits {
-    /// Slowest rate, radians a second, above 0. A tilt that is slower stands, or its encoder is stuck.
-    pub min_rate_rad_per_s: f32,
-    /// Fastest rate, radians a second, not below the slowest, and less than half a turn per telegram. A tilt that is faster
-    /// has an encoder that jumps. Leave room for the encoder's steps: 14 bits a turn, read every 13 ms, give the rate to
-    /// 0.03 rad/s.
-    pub max_rate_rad_per_s: f32,
-    /// A scan that has covered so much is complete, radians, above 0: half a turn for a scanner that goes round and round,
-    /// infinite for one that turns back by itself.
-    pub sweep_rad: f32,
-    /// A scan is over when no row has come for so long, microseconds; at least three telegrams.
-    pub pause_us: u32,
-}
-
-/// What is wrong with a rig.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum RigError {
-    /// The limits of the rate are not 0 < slowest <= fastest < half a turn per telegram, here in radians a second.
-    Rates {
-        /// The slowest.
-        min: f32,
-        /// The fastest.
-        max: f32,
-    },
-    /// A sweep is not above 0.
-    Sweep(f32),
-    /// The pause is shorter than three telegrams.
-    Pause {
-        /// Microseconds needed.
-        needed_us: u32,
-        /// Microseconds given.
-        got_us: u32,
-    },
-    /// Partial scans that are not whole rows: of the interlaced variants only those in steps of 1 degree make rows.
-    Interlaced,
-    /// The memory for rows is too small.
-    Memory {
-        /// Ranges needed.
-        needed: usize,
-        /// Ranges given.
-        got: usize,
-    },
-}
-
-impl core::fmt::Display for RigError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Rates { min, max } => write!(f, "the tilt cannot turn at {min} to {max} rad/s"),
-            Self::Sweep(sweep_rad) => write!(f, "a sweep cannot be {sweep_rad} rad"),
-            Self::Pause { needed_us, got_us } => write!(f, "pause must be {needed_us} us or more, is {got_us}"),
-            Self::Interlaced => write!(f, "interlaced scans make rows only in steps of 1 degree"),
-            Self::Memory { needed, got } => write!(f, "rows need memory for {needed} ranges, got {got}"),
-        }
-    }
-}
-
-impl core::error::Error for RigError {}
-
-/// The beams of an LMS 2xx that tilts: columns from right to left, turn angles upwards from level (the y axis of
-/// [`Beams::Nodding`]).
-#[must_use]
-pub const fn beams(variant: Variant) -> Beams<'static> {
-    let start_rad = -0.5 * (variant.view_deg() as f32).to_radians();
-    let step_rad = (0.01 * variant.step_cdeg() as f32).to_radians();
-    Beams::Nodding { columns: Columns::Even { start_rad, step_rad }, axis: TurnAxis::Y }
-}
 
 /// Where the tilt was when a row was measured.
 #[derive(Debug, Clone, Copy)]
@@ -161,9 +94,10 @@ impl Place {
         let moved_rad = shorter_way(self.turn_rad - before.turn_rad);
         let moved_rad = if self.rising { moved_rad } else { -moved_rad };
         let time_us = self.start_us.checked_sub(before.start_us)?;
-        let most_rad = limits.max_rate_rad_per_s * 1e-6 * time_us as f32;
+        let time_s = 1e-6 * time_us as f32;
+        let [least_rad, most_rad] = [limits.min_rate_rad_per_s, limits.max_rate_rad_per_s].map(|rate| rate * time_s);
         let goes_on = self.rising == before.rising && time_us <= u64::from(limits.pause_us);
-        (goes_on && moved_rad > 0.0 && moved_rad <= most_rad).then_some(moved_rad)
+        (goes_on && (least_rad..=most_rad).contains(&moved_rad)).then_some(moved_rad)
     }
 }
 
@@ -203,21 +137,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     /// # Errors
     /// [`RigError`].
     pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
-        let TiltLimits { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us: got_us } = limits;
-        let period_us = settings.period_us();
-        let half_turn_rad_per_s = core::f32::consts::PI * 1e6 / period_us as f32;
-        if !(min > 0.0 && min <= max && max < half_turn_rad_per_s) {
-            return Err(RigError::Rates { min, max });
-        }
-        if sweep_rad.is_nan() || sweep_rad <= 0.0 {
-            return Err(RigError::Sweep(sweep_rad));
-        }
-        if got_us < 3 * period_us {
-            return Err(RigError::Pause { needed_us: 3 * period_us, got_us });
-        }
-        if settings.interlaced && settings.variant.turns() > 1 {
-            return Err(RigError::Interlaced);
-        }
+        limits.check(&settings)?;
         let columns = usize::from(settings.variant.columns());
         let (needed, got) = (2 * columns, rows_m.len());
         let Some((row_m, held_m)) = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(columns))
@@ -244,26 +164,16 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     pub fn tilt(&mut self, sample: Option<Latch>) {
         match sample {
             Some(latch) => self.pairing.sample(latch),
-            None => self.counters.encoder_errors += 1,
+            None => count(&mut self.counters.encoder_errors),
         }
     }
 
     /// Bytes of the scanner, the last of which came at `now_us`, any origin.
     pub fn receive(&mut self, session: &mut Session, bytes: &[u8], now_us: u64, sink: &mut impl RigSink) {
-        self.counters.bytes += bytes.len() as u64;
+        self.counters.bytes = self.counters.bytes.wrapping_add(bytes.len() as u64);
         let mut rest = bytes;
-        loop {
-            let (used, event) = session.feed((now_us / 1000) as u32, rest);
+        while let (used, Some(event)) = feed(session, rest, now_us) {
             rest = rest.get(used..).unwrap_or(&[]);
-            let event = match event {
-                SessionEvent::NeedMore => return,
-                SessionEvent::Start { bytes_ago } => {
-                    let age_us = session.baud().line_time_us(rest.len() as u32 + u32::from(bytes_ago));
-                    ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
-                }
-                SessionEvent::Scan => ScannerEvent::Scan,
-                SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
-            };
             self.handle(event, session.scan(), sink);
         }
     }
@@ -277,14 +187,14 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
             }
             (ScannerEvent::Scan, Some(scan)) => self.telegram(&scan, sink),
             (ScannerEvent::Scan, None) => {}
-            (ScannerEvent::Rejected(_), _) => self.counters.rejected += 1,
+            (ScannerEvent::Rejected(_), _) => count(&mut self.counters.rejected),
             (ScannerEvent::Trouble(trouble), _) => self.trouble(trouble, sink),
         }
     }
 
     /// Something is wrong with the scanner: ends the scan.
     pub fn trouble(&mut self, trouble: Trouble, sink: &mut impl RigSink) {
-        self.counters.troubles += 1;
+        count(&mut self.counters.troubles);
         self.last_start_us = None;
         self.end(End::Trouble, sink);
         sink.trouble(trouble);
@@ -316,7 +226,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     }
 
     fn telegram(&mut self, scan: &Scan<'_>, sink: &mut impl RigSink) {
-        self.counters.telegrams += 1;
+        count(&mut self.counters.telegrams);
         self.count_lost();
         let turn = self.pairing.row(Sweep::of(scan, self.settings.variant));
         if scan.status().severity() >= Some(Severity::Error) || scan.status().implausible() {
@@ -341,7 +251,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
         let period_us = u64::from(self.settings.period_us());
         if let Some(last_us) = self.last_start_us.replace(self.start_us) {
             let periods = (self.start_us.saturating_sub(last_us) + period_us / 2) / period_us;
-            self.counters.lost += periods.saturating_sub(1) as u32;
+            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
         }
     }
 
@@ -387,7 +297,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     }
 
     fn begin(&mut self, first: Place, sink: &mut impl RigSink) {
-        self.counters.scans += 1;
+        count(&mut self.counters.scans);
         self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
             number: self.counters.scans,
@@ -406,9 +316,9 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
         match self.segmenter.push_row(self.row_m, place.turn_rad, &mut counting) {
             Ok(status) => {
-                scan.rows += 1;
+                scan.rows = scan.rows.saturating_add(1);
                 scan.stopped = status == Status::Stopped;
-                self.counters.rows += 1;
+                count(&mut self.counters.rows);
             }
             Err(PushError::TooManyRows) if scan.rows > 0 => {
                 self.end(End::Covered, sink);
@@ -439,7 +349,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     }
 
     fn drop_row(&mut self, dropped: Dropped, sink: &mut impl RigSink) {
-        self.counters.count(dropped);
+        count(self.counters.of(dropped));
         sink.row_dropped(dropped);
     }
 }

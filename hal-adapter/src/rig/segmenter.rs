@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 use scanseg_core::{EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, Segment, Sink, Status};
 use serde::{Deserialize, Serialize};
 
+use super::counters::count;
 use super::{Counters, Dropped};
 use crate::lms2xx::Trouble;
 
@@ -114,7 +115,7 @@ impl<S: Sink> Sink for Counting<'_, S> {
     }
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-        *self.segments += 1;
+        count(self.segments);
         self.sink.segment(segment)
     }
 

@@ -3,9 +3,13 @@
 mod bench;
 mod demo;
 mod evaluate;
+mod listen;
 mod lists;
+mod messages;
 mod office;
 mod options;
+mod replay;
+mod rig;
 mod segment;
 
 use std::error::Error;
@@ -35,6 +39,9 @@ enum Command {
     Bench(bench::Arguments),
     Evaluate(evaluate::Arguments),
     Office(office::Arguments),
+    Rig(rig::Arguments),
+    Replay(replay::Arguments),
+    Listen(listen::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr.
@@ -60,6 +67,9 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Office(arguments) => office::run(&arguments),
+        Command::Rig(arguments) => rig::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Listen(arguments) => listen::run(&arguments),
     }
 }
 

@@ -56,7 +56,7 @@ pub struct Came {
     pub latch: Option<Latch>,
 }
 
-/// A scanner with these settings on a tilt that moves so. `range_m` gives the range at a bearing from the right edge of
+/// A scanner on a tilt that moves so, with mode and unit of these settings. `range_m` gives the range at a bearing from the right edge of
 /// the field of view, in degrees, and a turn angle in radians; 0 or less where nothing returns.
 #[must_use]
 pub fn scanner_on_tilt(
@@ -66,14 +66,15 @@ pub fn scanner_on_tilt(
 ) -> VirtualLms {
     let motion = Rc::clone(motion);
     let max = (0xFFFF_u32 >> (16 - settings.mode.range_bits())) as u16;
-    VirtualLms::new(move |beam: Beam| {
+    let lms = VirtualLms::new(move |beam: Beam| {
         let counts = range_m(beam.bearing_deg, motion(beam.time_us)) * 1000.0 / f64::from(settings.unit.mm());
         match counts {
             counts if counts < 0.5 => max,                      // not a valid value
             counts if counts > f64::from(max) - 9.0 => max - 8, // above the maximum
             counts => counts.round() as u16,
         }
-    })
+    });
+    lms.configured(settings.mode, settings.unit)
 }
 
 impl<'a, S: RowSegmenter> Chain<'a, S> {

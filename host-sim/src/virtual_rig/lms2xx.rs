@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use scanseg_hal::lms2xx::crc::check_word;
-use scanseg_hal::lms2xx::{Baud, Variant};
+use scanseg_hal::lms2xx::{Baud, MeasuringMode, Unit, Variant};
 
 use super::wires::Wires;
 
@@ -139,6 +139,13 @@ impl VirtualLms {
     pub fn running(mut self, baud: Baud, variant: Variant) -> Self {
         self.booting_until_us = None;
         (self.baud, self.variant, self.mode) = (baud, variant, Mode::Complete);
+        self
+    }
+
+    /// As if this measuring mode and unit were in its EEPROM.
+    #[must_use]
+    pub fn configured(mut self, mode: MeasuringMode, unit: Unit) -> Self {
+        (self.configuration[5], self.configuration[6]) = (mode.code(), unit.code());
         self
     }
 

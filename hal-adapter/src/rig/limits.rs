@@ -1,0 +1,97 @@
+//! How the tilt of a rig moves, and what cannot be.
+
+use scanseg_core::{Beams, Columns, TurnAxis};
+
+use crate::lms2xx::{Settings, Variant};
+
+/// How the tilt moves within a sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TiltLimits {
+    /// Slowest rate, radians a second, above 0. A tilt that is slower stands, or its encoder is stuck.
+    pub min_rate_rad_per_s: f32,
+    /// Fastest rate, radians a second, not below the slowest, and less than half a turn per telegram. A tilt that is faster
+    /// has an encoder that jumps. Leave room for the encoder's steps: 14 bits a turn, read every 13 ms, give the rate to
+    /// 0.03 rad/s.
+    pub max_rate_rad_per_s: f32,
+    /// A scan that has covered so much is complete, radians, above 0: half a turn for a scanner that goes round and round,
+    /// infinite for one that turns back by itself.
+    pub sweep_rad: f32,
+    /// A scan is over when no row has come for so long, microseconds; at least three telegrams.
+    pub pause_us: u32,
+}
+
+/// What is wrong with a rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RigError {
+    /// The limits of the rate are not 0 < slowest <= fastest < half a turn per telegram, here in radians a second.
+    Rates {
+        /// The slowest.
+        min: f32,
+        /// The fastest.
+        max: f32,
+    },
+    /// A sweep is not above 0.
+    Sweep(f32),
+    /// The pause is shorter than three telegrams.
+    Pause {
+        /// Microseconds needed.
+        needed_us: u32,
+        /// Microseconds given.
+        got_us: u32,
+    },
+    /// Partial scans that are not whole rows: of the interlaced variants only those in steps of 1 degree make rows.
+    Interlaced,
+    /// The memory for rows is too small.
+    Memory {
+        /// Ranges needed.
+        needed: usize,
+        /// Ranges given.
+        got: usize,
+    },
+}
+
+impl core::fmt::Display for RigError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Rates { min, max } => write!(f, "the tilt cannot turn at {min} to {max} rad/s"),
+            Self::Sweep(sweep_rad) => write!(f, "a sweep cannot be {sweep_rad} rad"),
+            Self::Pause { needed_us, got_us } => write!(f, "pause must be {needed_us} us or more, is {got_us}"),
+            Self::Interlaced => write!(f, "interlaced scans make rows only in steps of 1 degree"),
+            Self::Memory { needed, got } => write!(f, "rows need memory for {needed} ranges, got {got}"),
+        }
+    }
+}
+
+impl core::error::Error for RigError {}
+
+impl TiltLimits {
+    pub(super) fn check(&self, settings: &Settings) -> Result<(), RigError> {
+        let Self { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us: got_us } = *self;
+        let period_us = settings.period_us();
+        let half_turn_rad_per_s = core::f32::consts::PI * 1e6 / period_us as f32;
+        if !(min > 0.0 && min <= max && max < half_turn_rad_per_s) {
+            return Err(RigError::Rates { min, max });
+        }
+        if sweep_rad.is_nan() || sweep_rad <= 0.0 {
+            return Err(RigError::Sweep(sweep_rad));
+        }
+        if got_us < 3 * period_us {
+            return Err(RigError::Pause { needed_us: 3 * period_us, got_us });
+        }
+        if settings.interlaced && settings.variant.turns() > 1 {
+            return Err(RigError::Interlaced);
+        }
+        Ok(())
+    }
+}
+
+/// The beams of an LMS 2xx that tilts: columns from right to left, turn angles upwards from level (the y axis of
+/// [`Beams::Nodding`]).
+#[must_use]
+pub const fn beams(variant: Variant) -> Beams<'static> {
+    let start_rad = -0.5 * (variant.view_deg() as f32).to_radians();
+    let step_rad = (0.01 * variant.step_cdeg() as f32).to_radians();
+    Beams::Nodding { columns: Columns::Even { start_rad, step_rad }, axis: TurnAxis::Y }
+}

@@ -1,0 +1,53 @@
+//! `scanseg listen`: the frames of the link as text.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::PathBuf;
+
+use clap::Args;
+use scanseg_hal::link::{Decoder, Received};
+
+use super::messages::line;
+use super::{Failure, print};
+
+/// Print the results that a board sends over its link
+///
+/// Reads frames to the end of the file or stream. The rate of a serial device is set beforehand, with stty.
+#[derive(Args)]
+pub struct Arguments {
+    /// File or device; - for standard input
+    source: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let name = arguments.source.display().to_string();
+    let failed = |e: io::Error| format!("{name}: {e}");
+    let mut source: Box<dyn Read> = match name.as_str() {
+        "-" => Box::new(io::stdin()),
+        _ => Box::new(File::open(&arguments.source).map_err(failed)?),
+    };
+    let mut decoder = Decoder::new();
+    let (mut messages, mut lost, mut damaged) = (0u64, 0u64, 0u64);
+    let mut buffer = [0; 4096];
+    loop {
+        let count = match source.read(&mut buffer) {
+            Ok(0) => break,
+            Ok(count) => count,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+            Err(e) => return Err(failed(e).into()),
+        };
+        let mut text = String::new();
+        decoder.feed(&buffer[..count], |received| {
+            match received {
+                Received::Message { lost: before, .. } => (messages, lost) = (messages + 1, lost + u64::from(before)),
+                Received::Damaged { .. } => damaged += 1,
+            }
+            line(&received).into_iter().for_each(|line| text += &(line + "\n"));
+        });
+        print(&text)?;
+    }
+    if messages == 0 {
+        return Err(format!("{name}: no frame of the link in it").into());
+    }
+    print(&format!("{messages} messages, {lost} lost, {damaged} damaged\n"))
+}
