@@ -13,22 +13,23 @@ trap 'rm -rf "$work"' EXIT
 counted() { # command...: instructions of the whole run
     valgrind --tool=callgrind --callgrind-out-file=/dev/null "$@" 2>&1 >/dev/null | awk '/Collected/ {print $4}'
 }
-per_point() { # points file kind: the difference of two runs and one leaves the core alone
+per_point() { # points file kind approach: the difference of two runs and one leaves the core alone
     local one two
-    one=$(counted "$cost" run "$2" "$3" 1)
-    two=$(counted "$cost" run "$2" "$3" 2)
+    one=$(counted "$cost" run "$2" "$3" "$4" 1)
+    two=$(counted "$cost" run "$2" "$3" "$4" 2)
     awk -v n="$1" -v d=$((two - one)) 'BEGIN {printf "%.1f", d / n}'
 }
 
 echo "instructions per point, segments and planes included (callgrind, $(rustc --version | cut -d' ' -f1,2))"
-printf '%-24s %10s\n' "simulated office" "scanseg"
+printf '%-24s %10s %10s\n' "simulated office" "edges" "regions"
 values=()
 for size in "200 361 nodding" "480 640 spinning" "1024 2048 spinning"; do
     set -- $size
     "$cost" make "$1" "$2" "$3" "$work/scene"
-    value=$(per_point $(($1 * $2)) "$work/scene" "$3")
+    value=$(per_point $(($1 * $2)) "$work/scene" "$3" edge)
     values+=("$value")
-    printf '%-24s %10s\n' "$2 x $1, $3" "$value"
+    regions=$(per_point $(($1 * $2)) "$work/scene" "$3" region)
+    printf '%-24s %10s %10s\n' "$2 x $1, $3" "$value" "$regions"
 done
 awk -v a="${values[0]}" -v b="${values[1]}" -v c="${values[2]}" 'BEGIN {
     if (c > 1.1 * b || c > 1.1 * a) { print "cost per point grows with the image"; exit 1 }
@@ -45,7 +46,7 @@ if [ -d "$peer" ] && pkg-config --exists opencv4 2>/dev/null; then
     printf '%-24s %10s %10s\n' "scenes of the peer" "scanseg" "C++ OpenCV"
     for scene in "361x200 72200 nodding" "640x480 307200 spinning" "2048x1024 2097152 spinning"; do
         set -- $scene
-        ours=$(per_point "$2" "$work/scenes/$1_lo.bin" "$3")
+        ours=$(per_point "$2" "$work/scenes/$1_lo.bin" "$3" edge)
         # the peer counts only its frames, two of them
         theirs=$(valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=/dev/null \
             "$work/peer/build/ocv_callgrind" "$work/scenes/$1_lo.bin" fused 2 1 callg 2>&1 |

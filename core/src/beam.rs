@@ -305,9 +305,23 @@ impl<'a> Fan<'a> {
         }
     }
 
-    /// The points that the beams of a chunk hit, in units of [`POINT_UNIT_M`]. `range_m` is 0 where there is no return.
+    /// The points that the beams of a chunk hit, in units of [`POINT_UNIT_M`], rounded. `range_m` is 0 where there is no
+    /// return.
     #[inline]
     pub fn points(&self, frame: &Frame, from: usize, range_m: &Lane, out: &mut [[i32; CHUNK]; 3]) {
+        self.points_as(round, frame, from, range_m, out);
+    }
+
+    /// The points that the beams of a chunk hit, in units of [`POINT_UNIT_M`], each coordinate as `number` makes it.
+    #[inline]
+    pub fn points_as<T>(
+        &self,
+        number: impl Fn(f32) -> T,
+        frame: &Frame,
+        from: usize,
+        range_m: &Lane,
+        out: &mut [[T; CHUNK]; 3],
+    ) {
         let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
         match &self.beams {
             Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
@@ -325,7 +339,7 @@ impl<'a> Fan<'a> {
         for (axis, out) in out.iter_mut().enumerate() {
             let [p, q, r] = [frame.p, frame.q, frame.r].map(|along| along[axis] / POINT_UNIT_M);
             for i in 0..CHUNK {
-                out[i] = round(range_m[i] * (cos[i] * p + sin[i] * q + r));
+                out[i] = number(range_m[i] * (cos[i] * p + sin[i] * q + r));
             }
         }
     }

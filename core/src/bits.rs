@@ -56,26 +56,43 @@ pub(crate) fn store<T: Copy>(row: &mut [T], from: usize, chunk: &[T]) {
     }
 }
 
-/// The runs of set bits of a packed row, from the left.
+/// The runs of a packed row, from the left: set bits next to each other. With `TOUCH` each bit of `starts` begins a new run.
 #[derive(Clone)]
-pub(crate) struct Runs<'a> {
+pub(crate) struct Runs<'a, const TOUCH: bool> {
     words: &'a [u32],
+    starts: &'a [u32],
     column: usize,
     columns: usize,
 }
 
 /// Iterates over the runs of set bits of a packed row.
-pub(crate) fn runs(words: &[u32], columns: usize) -> Runs<'_> {
-    Runs { words, column: 0, columns }
+pub(crate) fn runs(words: &[u32], columns: usize) -> Runs<'_, false> {
+    Runs { words, starts: &[], column: 0, columns }
 }
 
-impl Runs<'_> {
-    /// First column from `self.column` on whose bit differs from those of `invert`; `columns` if there is none.
+/// Iterates over the runs of a packed row that may touch. Where `starts` is empty they do not.
+pub(crate) fn touching_runs<'a>(words: &'a [u32], starts: &'a [u32], columns: usize) -> Runs<'a, true> {
+    Runs { words, starts, column: 0, columns }
+}
+
+impl<const TOUCH: bool> Runs<'_, TOUCH> {
+    /// The runs from a column on.
+    pub fn from(mut self, column: usize) -> Self {
+        self.column = column;
+        self
+    }
+
+    /// First column from `self.column` on whose bit differs from those of `invert`, or, with `TOUCH`, that begins a run;
+    /// `columns` if there is none.
     fn seek(&mut self, invert: u32) {
         let mut word = self.column / CHUNK;
         let mut keep = u32::MAX << (self.column % CHUNK);
         while let Some(&bits) = self.words.get(word) {
-            let found = (bits ^ invert) & keep;
+            let mut found = bits ^ invert;
+            if TOUCH && invert != 0 {
+                found |= self.starts.get(word).copied().unwrap_or(0);
+            }
+            found &= keep;
             if found != 0 {
                 self.column = (word * CHUNK + found.trailing_zeros() as usize).min(self.columns);
                 return;
@@ -87,7 +104,7 @@ impl Runs<'_> {
     }
 }
 
-impl Iterator for Runs<'_> {
+impl<const TOUCH: bool> Iterator for Runs<'_, TOUCH> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
@@ -96,6 +113,8 @@ impl Iterator for Runs<'_> {
         if start == self.columns {
             return None;
         }
+        // its own first bit does not end it
+        self.column += usize::from(TOUCH);
         self.seek(u32::MAX);
         Some(start..self.column)
     }

@@ -58,25 +58,32 @@ pub enum Element {
     Square,
 }
 
-/// Settings of the segmentation.
+/// Settings of the segmentation, by either approach; those that only one uses say so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config<'a> {
-    /// Standard deviation of one range, metres; 0 to 10. A step edge needs a range change beyond
-    /// 3 sqrt(2) of it: three standard deviations of the difference of two ranges.
+    /// Standard deviation of one range, metres; 0 to 10. Edge-based: a step edge needs a range change beyond
+    /// 3 sqrt(2) of it: three standard deviations of the difference of two ranges. Region-based: it decides how long the
+    /// chords are that show a turn, and with `plane_distance_m` how far a line may be from a plane.
     pub range_noise_m: f32,
     /// Nearer ranges count as no return, metres; above 0, up to `max_range_m`.
     pub min_range_m: f32,
     /// Farther ranges count as no return, metres; up to [`MAX_RANGE_M`].
     pub max_range_m: f32,
-    /// The traces whose edges are combined; 1 to [`MAX_TRACES`].
+    /// Edge-based approach: the traces whose edges are combined; 1 to [`MAX_TRACES`].
     pub traces: &'a [Trace],
-    /// A roof edge is where the bearing angle turns by at least this much, radians; above 0, up to pi.
+    /// Edge-based approach: a roof edge is where the bearing angle turns by at least this much, radians; above 0, up to pi.
     /// (Sobel's sum of weights is 4: |Gx| + |Gy| reaches 4 times this.)
     pub roof_angle_rad: f32,
-    /// A step edge needs a bearing angle within this of 0 or of pi, radians; 0 to pi / 2.
+    /// Edge-based approach: a step edge needs a bearing angle within this of 0 or of pi, radians; 0 to pi / 2.
     pub step_angle_rad: f32,
-    /// Structuring element of the closing.
+    /// Edge-based approach: structuring element of the closing.
     pub closing: Element,
+    /// Region-based approach: a line of a row ends where the bearing angle turns by at least this much, radians; above 0,
+    /// up to pi / 2.
+    pub line_angle_rad: f32,
+    /// Region-based approach: how far from a plane a surface may be for other reasons than the noise, metres; 0 to 1. A
+    /// line joins a region whose plane both of its ends are near: within this and 4 standard deviations.
+    pub plane_distance_m: f32,
 }
 
 impl Config<'_> {
@@ -89,6 +96,10 @@ impl Config<'_> {
     ///   it nearer, a smaller one lets jumps of less than ten times the beam spacing pass.
     /// - `range_noise_m` = 0.01: the scanner of the paper (SICK LMS 200) by its data sheet's typical figure.
     /// - `min_range_m` = 0.05, `max_range_m` = 100: no limit for indoor scanners.
+    /// - `line_angle_rad` = 3 deg: a turn of less is that of the azimuth steps on a spinning scanner's floor. Of lines that
+    ///   are broken too early nothing is lost, and lines that run on around a corner join no region: on the simulated
+    ///   offices 65, 64, 60 and 46 % of the surfaces are found with 2, 3, 5 and 10 deg, without noise.
+    /// - `plane_distance_m` = 5 mm: walls and desks are flat to that. 3 or 8 mm make little difference.
     /// - Pixels without a return are no edges and belong to no area; a missing neighbour under the Sobel kernel takes
     ///   the value of the centre, so that it makes no gradient.
     pub const fn paper() -> Config<'static> {
@@ -100,6 +111,8 @@ impl Config<'_> {
             roof_angle_rad: 20.0 * core::f32::consts::PI / 180.0,
             step_angle_rad: 6.0 * core::f32::consts::PI / 180.0,
             closing: Element::Plus,
+            line_angle_rad: 3.0 * core::f32::consts::PI / 180.0,
+            plane_distance_m: 0.005,
         }
     }
 
@@ -124,6 +137,8 @@ impl Config<'_> {
         within("min_range_m", self.min_range_m, self.min_range_m > 0.0 && self.min_range_m <= self.max_range_m)?;
         within("roof_angle_rad", self.roof_angle_rad, self.roof_angle_rad > 0.0 && self.roof_angle_rad <= PI)?;
         within("step_angle_rad", self.step_angle_rad, (0.0..=FRAC_PI_2).contains(&self.step_angle_rad))?;
+        within("line_angle_rad", self.line_angle_rad, self.line_angle_rad > 0.0 && self.line_angle_rad <= FRAC_PI_2)?;
+        within("plane_distance_m", self.plane_distance_m, (0.0..=1.0).contains(&self.plane_distance_m))?;
         let count = |field, value: i32| Err(ConfigError::Count { field, value });
         if self.traces.is_empty() || self.traces.len() > MAX_TRACES {
             return count("traces", self.traces.len() as i32);

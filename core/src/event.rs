@@ -24,7 +24,7 @@ impl fmt::Display for Label {
 pub enum Pixel {
     /// No return: the paper's outliers, windows among them.
     NoReturn,
-    /// Part of an edge.
+    /// Part of an edge; region-based: on no line.
     Edge,
     /// Part of the area with this label, or of an area that it has joined since.
     Segment(Label),
@@ -79,8 +79,8 @@ impl Segment {
 
 /// Takes what a segmenter finds, row by row. Any method may return `ControlFlow::Break` to drop the rest of the scan.
 ///
-/// Order of the calls for one pushed row: `edges`; then, for the row a few rows earlier that is now decided, `join` and
-/// `segment` as they are found from left to right; then `row`.
+/// Order of the calls for one pushed row: `edges`; then, for the row that is now decided (edge-based: a few rows earlier),
+/// `join` and `segment` as they are found from left to right; then `row`.
 pub trait Sink {
     /// A row of labels. Joins that this row brought about are already applied to it.
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()>;
@@ -97,14 +97,15 @@ pub trait Sink {
         ControlFlow::Continue(())
     }
 
-    /// A row of edges before the closing, for pictures and tests.
+    /// A row of edges before the closing, for pictures and tests. Region-based: pixels with a return that begin a line or
+    /// are on none.
     fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
         let _ = row;
         ControlFlow::Continue(())
     }
 }
 
-/// A row of edges: roof and step edges of all traces, before the closing.
+/// A row of edges: roof and step edges of all traces, before the closing; or where lines begin, see [`Sink::edges`].
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeRow<'a> {
     pub(crate) row: usize,
@@ -133,6 +134,8 @@ pub struct LabelRow<'a> {
     pub(crate) returns: &'a [u32],
     /// Packed: pixels of areas.
     pub(crate) areas: &'a [u32],
+    /// Packed: pixels that begin a run; empty where no two runs touch.
+    pub(crate) starts: &'a [u32],
     pub(crate) labels: &'a Labels<'a>,
 }
 
@@ -147,10 +150,13 @@ impl<'a> LabelRow<'a> {
         self.columns
     }
 
-    /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full.
+    /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full. Of the
+    /// edge-based approach no two touch; of the region-based one each is a line.
     pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, Option<Label>)> + 'a {
         let labels = self.labels;
-        bits::runs(self.areas, self.columns).enumerate().map(move |(i, run)| (run, labels.of_run(i)))
+        bits::touching_runs(self.areas, self.starts, self.columns)
+            .enumerate()
+            .map(move |(i, run)| (run, labels.of_run(i)))
     }
 
     /// All pixels, from the left.

@@ -1,4 +1,6 @@
-//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas between edges, by runs, in one pass.
+//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas, by runs, in one pass. Of the edge-based
+//! approach runs are what edges leave of a row, and those that touch are one area; of the region-based one they are lines,
+//! and [`Growth`] says which areas take them.
 //!
 //! Only the frontier is remembered: the runs of the row before that may still be touched, then the runs of this row so
 //! far, a queue of at most floor(columns / 2) + 2 entries. Each run refers to a slot of the table of live areas. Where
@@ -8,12 +10,13 @@
 //! - The slot that a run has joined others into keeps the run's own reference to the end of the row, and only such slots
 //!   are linked to. Hence every slot in use is referred to by a run of its own.
 //! - Runs that can no longer be touched are dropped before a new area takes a slot, and then the frontier without the
-//!   new run has at most floor(columns / 2) runs.
+//!   new run has at most floor(columns / 2) runs. With gaps between runs, because every run has its pixel and a gap.
+//!   With runs that touch, of two pixels or more, let the new one be `s..e`: floor(s / 2) runs at most are to its left,
+//!   and those of the row above that end after e are at most 1 + floor((columns - e - 1) / 2), with e >= s + 2; together
+//!   no more than floor((columns - 1) / 2).
 
 use core::ops::{ControlFlow, Range};
 
-use crate::bits::runs;
-use crate::closing::Shape;
 use crate::event::{Join, Label, Segment, Sink};
 use crate::plane::{Moments, exact_points};
 
@@ -61,7 +64,7 @@ impl Area {
         link: 0,
     };
 
-    fn moments(&self) -> Moments {
+    pub(crate) fn moments(&self) -> Moments {
         let (low, high) = (self.first_low, self.first_high);
         let first = core::array::from_fn(|i| (i64::from(high[i]) << 32) | i64::from(low[i]));
         Moments { points: self.points, first, second: self.second }
@@ -80,6 +83,39 @@ impl Area {
         self.first_low = sum.first.map(|s| s as u32);
         self.first_high = sum.first.map(|s| (s >> 32) as i16);
     }
+}
+
+/// How an approach lets areas grow, run by run.
+pub(crate) trait Growth {
+    /// Whether areas take every run that touches them, so that those of a run are one.
+    const TAKES_ALL: bool = false;
+
+    /// The next run of the row.
+    fn begin(&mut self, run: &Range<usize>) {
+        let _ = run;
+    }
+
+    /// Whether an area of the row above, which the run touches, takes the run, and how well: of several the one that takes
+    /// it best, and of equal ones the first, gets it.
+    fn takes(&mut self, area: &Area) -> Option<u32> {
+        let _ = area;
+        Some(0)
+    }
+
+    /// Whether the area that got the run and another one that it touches are one.
+    fn joins(&mut self, one: &Area, other: &Area) -> bool {
+        let _ = (one, other);
+        true
+    }
+
+    /// Whether the areas of the last and of the first run, which are neighbours across the seam, are one.
+    fn meets(&mut self, one: &Area, other: &Area) -> bool {
+        let _ = (one, other);
+        true
+    }
+
+    /// The moments of the run.
+    fn moments(&mut self, run: Range<usize>) -> Moments;
 }
 
 /// No slot: the run of an area that got none.
@@ -127,35 +163,37 @@ impl<'a> Labels<'a> {
         Some(Label(area.label))
     }
 
-    /// Labels one row. `previous` and `current` are the packed area pixels of the row before and of this row;
-    /// `moments` gives the moments of a run of this row. Returns the number of pixels that got no label.
-    pub fn label_row<S: Sink>(
+    /// Labels one row. `previous` and `current` are the runs of the row before and of this row; `seam`: the last run
+    /// neighbours the first across the seam of an image that wraps. Returns the number of pixels that got no label.
+    pub fn label_row<S: Sink, G: Growth>(
         &mut self,
         row: usize,
-        previous: &[u32],
-        current: &[u32],
-        shape: &Shape,
-        mut moments: impl FnMut(Range<usize>) -> Moments,
+        previous: impl Iterator<Item = Range<usize>> + Clone,
+        current: impl Iterator<Item = Range<usize>>,
+        seam: bool,
+        growth: &mut G,
         sink: &mut S,
     ) -> ControlFlow<(), u32> {
-        let Shape { columns, wraps, .. } = *shape;
         self.row = row as u16;
-        let mut above = runs(previous, columns).peekable();
+        let mut above = previous.peekable();
         let mut unlabelled = 0;
         let mut found = 0;
-        let mut last_end = 0;
-        for run in runs(current, columns) {
+        for run in current {
+            growth.begin(&run);
             while above.next_if(|a| a.end <= run.start).is_some() {
                 self.drop_run(sink)?;
             }
-            let mut slot = NONE;
+            let mut slot = if G::TAKES_ALL { NONE } else { self.choose(above.clone(), &run, growth) };
+            if slot != NONE {
+                self.area(slot).runs += 1;
+            }
             while let Some(a) = above.peek().filter(|a| a.start < run.end) {
                 let more = a.end > run.end;
                 let root = self.root(self.entry(0));
-                if root != NONE && slot == NONE {
+                if slot == NONE && G::TAKES_ALL && root != NONE {
                     slot = root;
                     self.area(slot).runs += 1;
-                } else if root != slot && root != NONE {
+                } else if slot != NONE && root != slot && root != NONE && growth.joins(self.get(slot), self.get(root)) {
                     self.join(slot, root, sink)?;
                 }
                 if more {
@@ -170,7 +208,7 @@ impl<'a> Labels<'a> {
             if slot == NONE {
                 unlabelled += run.len() as u32;
             } else {
-                let (moments, exact) = (moments(run.clone()), self.exact_points);
+                let (moments, exact) = (growth.moments(run.clone()), self.exact_points);
                 let area = self.area(slot);
                 area.first_column = area.first_column.min(run.start as u16);
                 area.last_column = area.last_column.max(run.end as u16 - 1);
@@ -178,14 +216,13 @@ impl<'a> Labels<'a> {
             }
             self.push_run(slot);
             found += 1;
-            last_end = run.end;
         }
         while above.next().is_some() {
             self.drop_run(sink)?;
         }
-        if wraps && found > 1 && last_end == columns && current.first().is_some_and(|word| word & 1 == 1) {
+        if seam && found > 1 {
             let (first, last) = (self.root(self.entry(0)), self.root(self.entry(found - 1)));
-            if first != last && first != NONE && last != NONE {
+            if first != last && first != NONE && last != NONE && growth.meets(self.get(first), self.get(last)) {
                 self.join(first, last, sink)?;
             }
         }
@@ -200,6 +237,26 @@ impl<'a> Labels<'a> {
             self.drop_run(sink)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// The slot of the area that gets a run, of those that touch it; `NONE` if none takes it.
+    fn choose(
+        &mut self,
+        above: impl Iterator<Item = Range<usize>>,
+        run: &Range<usize>,
+        growth: &mut impl Growth,
+    ) -> u16 {
+        let (mut best, mut how_well) = (NONE, 0);
+        for (i, _) in above.take_while(|a| a.start < run.end).enumerate() {
+            let root = self.root(self.entry(i));
+            if root == NONE || root == best {
+                continue;
+            }
+            if let Some(well) = growth.takes(self.get(root)).filter(|&well| best == NONE || well > how_well) {
+                (best, how_well) = (root, well);
+            }
+        }
+        best
     }
 
     /// A new area that begins with `run`; `NONE` if the table is full.
@@ -302,6 +359,10 @@ impl<'a> Labels<'a> {
             self.area(slot).link = beyond;
             slot = beyond;
         }
+    }
+
+    fn get(&self, slot: u16) -> &Area {
+        &self.table[usize::from(slot)]
     }
 
     fn area(&mut self, slot: u16) -> &mut Area {

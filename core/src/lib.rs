@@ -8,9 +8,15 @@
 //!    -> closing, on packed bits                closing
 //!    -> labels, joins, complete segments       label
 //!    -> their planes                           plane
+//!
+//! or, by the paper's other approach,
+//!    -> lines of the row, by bearing angle     line                                                 (section 4)
+//!    -> growing planar regions                 region, label
 //! ```
 //!
-//! [`EdgeSegmenter`] ties the stages together; [`Config::paper`] holds the paper's settings; a [`Sink`] takes the results.
+//! [`EdgeSegmenter`] and [`RegionSegmenter`] tie the stages together, one for each of the paper's two approaches; they are
+//! used alike, with the same [`Config`] and [`Memory`]. [`Config::paper`] holds the paper's settings; a [`Sink`] takes the
+//! results.
 //!
 //! # Features
 //! - `micromath`: a coarse arc tangent (0.17 deg instead of 0.001 deg) for processors without floating point.
@@ -31,8 +37,11 @@ mod edge;
 mod error;
 mod event;
 mod label;
+mod line;
 mod memory;
 mod plane;
+mod region;
+mod region_segmenter;
 mod segmenter;
 
 pub use beam::{BeamAngle, Beams, Columns, MIN_BEAM_ANGLE_RAD, POINT_UNIT_M, TurnAxis};
@@ -43,6 +52,7 @@ pub use event::{EdgeRow, Join, Label, LabelRow, Pixel, Segment, Sink};
 pub use label::{Area, live_labels};
 pub use memory::{Buffers, Memory, Sizes};
 pub use plane::{Moments, Plane};
+pub use region_segmenter::RegionSegmenter;
 pub use segmenter::{EdgeSegmenter, Finished, LATENCY_ROWS, MAX_COLUMNS, MAX_ROWS, Status};
 
 /// Compiles the example of the README.

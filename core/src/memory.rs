@@ -2,6 +2,7 @@
 
 use crate::bits::{CHUNK, words};
 use crate::config::{Config, Trace};
+use crate::error::ConfigError;
 use crate::label::{Area, frontier_words, live_labels};
 use crate::segmenter::LATENCY_ROWS;
 
@@ -11,7 +12,7 @@ use crate::segmenter::LATENCY_ROWS;
 pub struct Memory<'a> {
     /// Rows of ranges.
     pub ranges: &'a mut [f32],
-    /// Rows of bearing angles, two per trace.
+    /// Rows of bearing angles, two per trace. The region-based approach has scratch of its lines there.
     pub bearings: &'a mut [u16],
     /// Rows of packed bits, and the frontier of the labels.
     pub words: &'a mut [u32],
@@ -19,6 +20,24 @@ pub struct Memory<'a> {
     /// table full stays without a label, which [`Status`](crate::Status), [`Finished`](crate::Finished) and
     /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
     pub areas: &'a mut [Area],
+}
+
+impl Memory<'_> {
+    /// Whether it is enough for images of `columns` columns; with it what was asked for.
+    pub(crate) fn check(&self, columns: usize, config: &Config<'_>) -> Result<Sizes, ConfigError> {
+        let needed = Sizes::of(columns, config);
+        for (field, needed, got) in [
+            ("ranges", needed.ranges, self.ranges.len()),
+            ("bearings", needed.bearings, self.bearings.len()),
+            ("words", needed.words, self.words.len()),
+            ("areas", 1, self.areas.len()),
+        ] {
+            if got < needed {
+                return Err(ConfigError::Memory { field, needed, got });
+            }
+        }
+        Ok(needed)
+    }
 }
 
 /// Lengths of the slices of a [`Memory`].
@@ -59,7 +78,8 @@ impl Sizes {
     }
 }
 
-/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known.
+/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known, which is three rows. The
+/// region-based approach keeps the x, y and z of one row instead.
 pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
     let mut rows = LATENCY_ROWS;
     let mut i = 0;
@@ -86,7 +106,7 @@ impl<const R: usize, const B: usize, const W: usize, const A: usize> Buffers<R, 
     /// All zeros.
     pub const EMPTY: Self = Self { ranges: [0.0; R], bearings: [0; B], words: [0; W], areas: [Area::EMPTY; A] };
 
-    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new).
+    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new) or [`RegionSegmenter::new`](crate::RegionSegmenter::new).
     pub fn memory(&mut self) -> Memory<'_> {
         Memory {
             ranges: &mut self.ranges,

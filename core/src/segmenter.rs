@@ -12,17 +12,17 @@ use core::ops::{ControlFlow, Range};
 
 use crate::beam::{Beams, Fan, Frame, RowBeam};
 use crate::bearing::TraceRow;
-use crate::bits::{CHUNK, load, mask, pack, store, words};
+use crate::bits::{CHUNK, load, mask, pack, runs, store, words};
 use crate::closing::Shape;
 use crate::config::{Config, MAX_TRACE_ROWS};
 use crate::edge::{Thresholds, bearings, roofs};
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, Sink};
-use crate::label::{Labels, frontier_words};
-use crate::memory::{Memory, Sizes, padded_row};
+use crate::label::{Growth, Labels, frontier_words};
+use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
 
-/// Rows between the row pushed and the row whose labels it decides.
+/// Rows between the row pushed and the row whose labels it decides, of [`EdgeSegmenter`]; no approach needs more.
 pub const LATENCY_ROWS: usize = 3;
 
 /// The most columns of an image.
@@ -31,7 +31,7 @@ pub const MAX_COLUMNS: usize = 16_384;
 /// The most rows of a scan.
 pub const MAX_ROWS: usize = 65_535;
 
-/// What [`EdgeSegmenter::push_row`] did, and what to do next.
+/// What `push_row` of a segmenter did, and what to do next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Status {
@@ -62,6 +62,18 @@ pub enum Finished {
     },
     /// The sink broke off. What was left is dropped.
     Stopped,
+}
+
+/// Whether row number `row` of an image can be taken.
+pub(crate) fn check_row(ranges_m: &[f32], turn_rad: f32, row: usize, columns: usize) -> Result<(), PushError> {
+    if ranges_m.len() != columns {
+        return Err(PushError::RowLength { expected: columns, got: ranges_m.len() });
+    }
+    // turn angles of 1000 turns still have a resolution of 0.03 deg; NaN is not within
+    if !(-6300.0..=6300.0).contains(&turn_rad) {
+        return Err(PushError::TurnAngle { turn_rad });
+    }
+    if row == MAX_ROWS { Err(PushError::TooManyRows) } else { Ok(()) }
 }
 
 /// Packed rows, as they are used when row r arrives.
@@ -140,6 +152,9 @@ pub struct EdgeSegmenter<'a> {
 }
 
 impl<'a> EdgeSegmenter<'a> {
+    /// Rows between the row pushed and the row whose labels it decides.
+    pub const LATENCY_ROWS: usize = LATENCY_ROWS;
+
     /// A segmenter for images of `columns` columns, 1 to [`MAX_COLUMNS`]. Checks the configuration once.
     ///
     /// # Errors
@@ -147,17 +162,7 @@ impl<'a> EdgeSegmenter<'a> {
     pub fn new(config: Config<'a>, beams: Beams<'a>, columns: usize, memory: Memory<'a>) -> Result<Self, ConfigError> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
-        let needed = Sizes::of(columns, &config);
-        for (field, needed, got) in [
-            ("ranges", needed.ranges, memory.ranges.len()),
-            ("bearings", needed.bearings, memory.bearings.len()),
-            ("words", needed.words, memory.words.len()),
-            ("areas", 1, memory.areas.len()),
-        ] {
-            if got < needed {
-                return Err(ConfigError::Memory { field, needed, got });
-            }
-        }
+        let needed = memory.check(columns, &config)?;
         let ranges = &mut memory.ranges[..needed.ranges];
         let bearings = &mut memory.bearings[..needed.bearings];
         let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
@@ -190,17 +195,7 @@ impl<'a> EdgeSegmenter<'a> {
     /// # Errors
     /// [`PushError`]: the row was not taken and the segmenter is as it was before.
     pub fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
-        let columns = self.shape.columns;
-        if ranges_m.len() != columns {
-            return Err(PushError::RowLength { expected: columns, got: ranges_m.len() });
-        }
-        // turn angles of 1000 turns still have a resolution of 0.03 deg; NaN is not within
-        if !(-6300.0..=6300.0).contains(&turn_rad) {
-            return Err(PushError::TurnAngle { turn_rad });
-        }
-        if self.rows == MAX_ROWS {
-            return Err(PushError::TooManyRows);
-        }
+        check_row(ranges_m, turn_rad, self.rows, self.shape.columns)?;
         let row = self.rows;
         self.rows += 1;
         let turns = self.turns_rad.len();
@@ -359,10 +354,12 @@ impl<'a> EdgeSegmenter<'a> {
             *area = !*area & *returns;
         }
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
-        let moments = |run| points.moments(run);
-        let unlabelled = self.labels.label_row(done, before, current, &self.shape, moments, sink)?;
+        let last = columns - 1;
+        let seam = self.shape.wraps && current[0] & current[last / CHUNK] >> (last % CHUNK) & 1 == 1;
+        let (above, here) = (runs(before, columns), runs(current, columns));
+        let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
-        sink.row(&LabelRow { row: done, columns, returns, areas: current, labels: &self.labels })?;
+        sink.row(&LabelRow { row: done, columns, returns, areas: current, starts: &[], labels: &self.labels })?;
         ControlFlow::Continue(Some(unlabelled))
     }
 }
@@ -401,7 +398,9 @@ struct RowPoints<'a> {
     points: [[i32; CHUNK]; 3],
 }
 
-impl RowPoints<'_> {
+impl Growth for RowPoints<'_> {
+    const TAKES_ALL: bool = true;
+
     fn moments(&mut self, run: Range<usize>) -> Moments {
         let mut moments = Moments::default();
         let mut column = run.start;

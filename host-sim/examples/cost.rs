@@ -1,24 +1,28 @@
 //! The core alone on one scene, for counting its instructions (`tests/instructions.sh`).
 //!
 //! `cost make ROWS COLUMNS nodding|spinning FILE` writes a scene of the simulated office;
-//! `cost run FILE nodding|spinning REPEAT` segments it so many times and prints what it found.
+//! `cost run FILE nodding|spinning edge|region REPEAT` segments it so many times and prints what it found.
 //!
 //! A scene file is little endian: u32 rows, u32 columns, f32 column step, f32 row step (radians), then rows x columns f32
 //! ranges in metres, 0 for none; rows and columns centred on straight ahead, the first row up, the first column left.
 use std::ops::ControlFlow;
 use std::{env, error, fs};
 
-use scanseg_core::{Beams, Columns, Config, EdgeSegmenter, LabelRow, Segment, Sink, TurnAxis};
+use scanseg_core::{Beams, Columns, Config, LabelRow, Segment, Sink, TurnAxis};
 use scanseg_sim::format::geometry::{Angles, Kind};
 use scanseg_sim::office::{Scene, Sensor, Set};
-use scanseg_sim::segmentation::OwnedMemory;
+use scanseg_sim::segmentation::{Approach, OwnedMemory, Segmenter};
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let args: Vec<String> = env::args().skip(1).collect();
     match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["make", rows, columns, kind, file] => make(rows.parse()?, columns.parse()?, kind, file),
-        ["run", file, kind, repeat] => run(file, kind, repeat.parse()?),
-        _ => Err("usage: cost make ROWS COLUMNS nodding|spinning FILE | cost run FILE nodding|spinning REPEAT".into()),
+        ["run", file, kind, "edge", repeat] => run(Approach::Edge, file, kind, repeat.parse()?),
+        ["run", file, kind, "region", repeat] => run(Approach::Region, file, kind, repeat.parse()?),
+        _ => Err(
+            "usage: cost make ROWS COLUMNS nodding|spinning FILE | cost run FILE nodding|spinning edge|region REPEAT"
+                .into(),
+        ),
     }
 }
 
@@ -67,7 +71,7 @@ impl Sink for Found {
     }
 }
 
-fn run(file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error>> {
+fn run(approach: Approach, file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error>> {
     let bytes = fs::read(file)?;
     let words: Vec<u32> = bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
     let [rows, columns, h_step, v_step, ref data @ ..] = words[..] else { return Err("no scene".into()) };
@@ -82,7 +86,7 @@ fn run(file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error
     };
     let config = Config::paper();
     let mut memory = OwnedMemory::new(columns, &config, None);
-    let mut segmenter = EdgeSegmenter::new(config, beams, columns, memory.memory())?;
+    let mut segmenter = Segmenter::new(approach, config, beams, columns, memory.memory())?;
     let mut found = Found::default();
     for _ in 0..repeat {
         found = Found::default();

@@ -1,5 +1,6 @@
 //! Host side of scanseg: range-image files and their geometry, whole scans through the core, the simulated office,
 //! evaluation, and the pictures that the `scanseg` command writes.
+mod approach;
 pub mod format;
 pub mod hoover;
 pub mod office;

@@ -19,13 +19,9 @@ pub struct Images<'a> {
     pub bearing_rows: &'a [u16],
     /// Bearing angles along columns, in counts; 0 where there is none.
     pub bearing_columns: &'a [u16],
-    /// Edges in the bearing angles along rows alone.
-    pub edges_rows: &'a [bool],
-    /// Edges in the bearing angles along columns alone.
-    pub edges_columns: &'a [bool],
-    /// Edges of all traces that the segmentation used.
-    pub edges: &'a [bool],
-    /// These after the closing, where there is a return.
+    /// What led to the segments, by titles: edges of several kinds, or where lines end.
+    pub edges: &'a [(&'a str, &'a [bool])],
+    /// Pixels with a return that are in no segment because they are edges.
     pub closed_edges: &'a [bool],
     /// Segment numbers; 0 for none.
     pub numbers: &'a [u32],
@@ -85,18 +81,16 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
     };
     let range_title = range_title(near_m, far_m);
     let picture = |colour: &dyn Fn(usize) -> Rgb| view.picture(scan.rows, scan.columns, colour);
-    let panels = [
+    let mut panels = vec![
         (range_title.as_str(), picture(&|i| range_colour(scan.range_m[i], near_m, far_m))),
         ("Segments (edges black)", picture(&segment)),
         ("Bearing angle along rows", picture(&|i| bearing(images.bearing_rows, i))),
         ("Bearing angle along columns", picture(&|i| bearing(images.bearing_columns, i))),
-        ("Edges along rows", picture(&|i| edge(images.edges_rows, i))),
-        ("Edges along columns", picture(&|i| edge(images.edges_columns, i))),
-        ("Edges of all traces", picture(&|i| edge(images.edges, i))),
-        ("Edges after closing", picture(&|i| edge(images.closed_edges, i))),
     ];
+    panels.extend(images.edges.iter().map(|(title, edges)| (*title, picture(&|i| edge(edges, i)))));
     let across = if panels[0].1.width() > SHEET_WIDTH / 2 { 1 } else { 2 };
-    sheet(&panels.map(|(title, panel)| (title, fitted(panel, SHEET_WIDTH / across))), across)
+    let fit = |(title, panel)| (title, fitted(panel, SHEET_WIDTH / across));
+    sheet(&panels.into_iter().map(fit).collect::<Vec<_>>(), across)
 }
 
 /// A simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its depth side by side. The truth

@@ -5,10 +5,11 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use scanseg_core::{
-    Area, Beams, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS,
-    Memory, Pixel, PushError, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
+    Area, Beams, Columns, Config, ConfigError, EdgeRow, Finished, Join, LabelRow, MAX_COLUMNS, MAX_ROWS, Memory, Pixel,
+    PushError, Row, Segment, Sink, Sizes, Trace, TurnAxis, bearing_row,
 };
 
+pub use crate::approach::{Approach, Segmenter};
 use crate::format::{self, Angles, Geometry, GeometryError, Kind, RangeImage};
 
 /// The beams of a scan, as the core wants them: `f32`, radians.
@@ -108,7 +109,7 @@ impl OwnedMemory {
         }
     }
 
-    /// For [`EdgeSegmenter::new`].
+    /// For [`Segmenter::new`].
     pub fn memory(&mut self) -> Memory<'_> {
         Memory {
             ranges: &mut self.ranges,
@@ -128,9 +129,9 @@ pub struct Segmentation {
     pub columns: usize,
     /// `rows * columns` labels with all joins applied; 0 in no segment.
     pub labels: Vec<u32>,
-    /// `rows * columns` edges, before the closing.
+    /// `rows * columns` edges, before the closing. Region-based: where lines end, see [`scanseg_core::Sink::edges`].
     pub edges: Vec<bool>,
-    /// `rows * columns` edges, after the closing. A pixel without a return is none.
+    /// `rows * columns` edges, after the closing. Region-based: pixels on no line. A pixel without a return is none.
     pub closed_edges: Vec<bool>,
     /// The segments, the one with the most pixels first; where pixels are equal the lower label first. Segment number n,
     /// counted from 1, is at n - 1.
@@ -147,6 +148,7 @@ impl Segmentation {
     pub fn of(
         scan: &RangeImage,
         geometry: &Geometry,
+        approach: Approach,
         config: &Config<'_>,
         max_labels: Option<usize>,
         mut row_done: impl FnMut(),
@@ -154,7 +156,6 @@ impl Segmentation {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
-        let mut segmenter = EdgeSegmenter::new(*config, beams.beams(), scan.columns, memory.memory())?;
         let pixels = scan.rows * scan.columns;
         let mut collected = Collected {
             columns: scan.columns,
@@ -164,6 +165,7 @@ impl Segmentation {
             segments: vec![],
             joined_into: vec![],
         };
+        let mut segmenter = Segmenter::new(approach, *config, beams.beams(), scan.columns, memory.memory())?;
         for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
             segmenter.push_row(row_m, row_rad, &mut collected)?;
             row_done();
@@ -382,7 +384,8 @@ mod tests {
         }
         let scan = RangeImage { rows, columns, range_m };
         let mut rows_done = 0;
-        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || rows_done += 1).unwrap();
+        let done =
+            Segmentation::of(&scan, &camera(), Approach::Edge, &Config::paper(), None, || rows_done += 1).unwrap();
         assert_eq!((done.segments.len(), rows_done, done.unlabelled), (1, rows, 0));
         let expected: Vec<u32> = scan.range_m.iter().map(|&m| u32::from(m > 0.0)).collect();
         assert_eq!(done.labels, expected);
@@ -397,7 +400,7 @@ mod tests {
         let lengths = [1, 0, 3, 0, 3, 0, 2];
         let range_m = (0..rows * columns).map(|i| if i / columns < lengths[i % columns] { 2.0 } else { 0.0 }).collect();
         let scan = RangeImage { rows, columns, range_m };
-        let done = Segmentation::of(&scan, &camera(), &Config::paper(), None, || {}).unwrap();
+        let done = Segmentation::of(&scan, &camera(), Approach::Edge, &Config::paper(), None, || {}).unwrap();
         let found: Vec<_> = done.segments.iter().map(|s| (s.pixels(), s.first_column)).collect();
         assert_eq!(found, [(3, 2), (3, 4), (2, 6), (1, 0)]);
         assert_eq!(done.numbers(2)[..columns], [0, 0, 1, 0, 2, 0, 3]);
@@ -408,7 +411,7 @@ mod tests {
     fn what_does_not_fit_is_refused() {
         let image = |rows, columns| RangeImage { rows, columns, range_m: vec![1.0; rows * columns] };
         let run = |scan: &RangeImage, geometry: &Geometry| {
-            Segmentation::of(scan, geometry, &Config::paper(), None, || {}).map(|_| ()).unwrap_err()
+            Segmentation::of(scan, geometry, Approach::Edge, &Config::paper(), None, || {}).map(|_| ()).unwrap_err()
         };
         let wide = run(&image(1, MAX_COLUMNS + 1), &camera());
         assert_eq!(wide, SegmentationError::Size { rows: 1, columns: MAX_COLUMNS + 1 });

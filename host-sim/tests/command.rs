@@ -153,10 +153,12 @@ fn every_option_of_the_configuration_is_used() {
     let folder = folder("options");
     small_scan(&folder);
     let options = "--preset paper --range-noise-m 0.02 --min-range-m 1.5 --max-range-m 4 --roof-angle-deg 45 \
-         --step-angle-deg 3 --traces row*3,2x-2,antidiagonal --closing square";
+         --step-angle-deg 3 --traces row*3,2x-2,antidiagonal --closing square --approach region --line-angle-deg 7 \
+         --plane-distance-m 0.25";
     succeeds(&folder, &format!("segment scan.pgm --geometry geometry.toml --out out {options}"));
     let configuration = json(folder.join("out/segments.json"))["header"]["configuration"].clone();
-    let expected = r#"{"closing":"square","max_range_m":4.0,"min_range_m":1.5,"range_noise_m":0.02,"roof_angle_deg":45.0,
+    let expected = r#"{"approach":"region","closing":"square","line_angle_deg":7.0,"max_range_m":4.0,"min_range_m":1.5,
+        "plane_distance_m":0.25,"range_noise_m":0.02,"roof_angle_deg":45.0,
         "step_angle_deg":3.0,"traces":["0x3","2x-2","1x-1"]}"#;
     assert_eq!(configuration, serde_json::from_str::<Value>(expected).unwrap());
 
@@ -177,8 +179,22 @@ fn every_option_of_the_configuration_is_used() {
         "--traces row",
         "--closing square",
         "--max-labels 2",
+        "--approach region",
     ] {
         let (changed, header) = labels(option);
+        assert_ne!(changed, plain, "{option}");
+        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
+    }
+    let (plain, _) = labels("--approach region");
+    for option in [
+        "--range-noise-m 0.1",
+        "--min-range-m 1.5",
+        "--max-range-m 2",
+        "--line-angle-deg 60",
+        "--plane-distance-m 0.2",
+        "--max-labels 2",
+    ] {
+        let (changed, header) = labels(&format!("--approach region {option}"));
         assert_ne!(changed, plain, "{option}");
         assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
     }
@@ -267,6 +283,9 @@ fn what_cannot_be_used_is_named_in_one_line_and_nothing_is_written() {
         ("--traces 0x0", "0 columns"),
         ("--traces row,row,row,row,row,row,row,row,row", "9 are too many"),
         ("--closing circle", "plus"),
+        ("--approach both", "region"),
+        ("--line-angle-deg 0", "--line-angle-deg cannot be 0"),
+        ("--plane-distance-m -1", "--plane-distance-m cannot be -1"),
         ("--max-labels 0", "--max-labels"),
     ] {
         fails(&folder, &with("scan.pgm", "geometry.toml", option), &[says]);
@@ -313,6 +332,13 @@ fn bench_counts_what_segment_finds() {
     assert_eq!(timing["segments"], header["segments_listed"]);
     let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1");
     assert!(told.contains("median_ns_per_point") && told.contains("points 4550"), "{told}");
+
+    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1 --json --approach region");
+    let timing: Value = serde_json::from_str(&told).unwrap();
+    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out --approach region");
+    let by_region = json(folder.join("out/segments.json"))["header"].clone();
+    assert_eq!(timing["segments"], by_region["segments_listed"]);
+    assert_ne!(by_region["segments_listed"], header["segments_listed"]);
 }
 
 #[test]
@@ -449,23 +475,29 @@ fn recorded_scans_are_segmented() {
     ];
     for (set, scan, traces, seen) in scans {
         let Some(data) = recorded(set) else { continue };
-        let folder = folder(scan);
-        let (scan, geometry) = (data.join(scan), data.join("geometry.toml"));
-        let options = format!("--geometry {} --out . --traces {traces}", geometry.display());
-        succeeds(&folder, &format!("segment {} {options}", scan.display()));
-        let file = json(folder.join("segments.json"));
-        let header = &file["header"];
-        let parts = ["edge_pixels", "segment_pixels", "unlabelled_pixels"].map(|key| header[key].as_u64().unwrap());
-        assert_eq!(Some(parts.iter().sum()), header["returns"].as_u64(), "{set}: every return is one of three");
-        for (pixels, normal, distance_m) in seen {
-            let found = file["segments"].as_array().unwrap().iter().any(|segment| {
-                let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-                let along: f64 = (0..3).map(|i| number(&segment["normal"][i]) * normal[i]).sum();
-                number(&segment["pixels"]) >= *pixels
-                    && along > 3f64.to_radians().cos()
-                    && (number(&segment["distance_m"]) / distance_m - 1.0).abs() < 0.05
-            });
-            assert!(found, "{set}: no plane of {pixels} pixels, normal {normal:?}, {distance_m} m away");
+        // a region that misses its line in one row goes on as another: half of the pixels will do
+        for (approach, share) in [("edge", 1.0), ("region", 0.5)] {
+            let folder = folder(&format!("{scan}-{approach}"));
+            let (scan, geometry) = (data.join(scan), data.join("geometry.toml"));
+            let options = format!("--geometry {} --out . --traces {traces} --approach {approach}", geometry.display());
+            succeeds(&folder, &format!("segment {} {options}", scan.display()));
+            let file = json(folder.join("segments.json"));
+            let header = &file["header"];
+            let parts = ["edge_pixels", "segment_pixels", "unlabelled_pixels"].map(|key| header[key].as_u64().unwrap());
+            assert_eq!(Some(parts.iter().sum()), header["returns"].as_u64(), "{set}: every return is one of three");
+            for (pixels, normal, distance_m) in seen {
+                let found = file["segments"].as_array().unwrap().iter().any(|segment| {
+                    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+                    let along: f64 = (0..3).map(|i| number(&segment["normal"][i]) * normal[i]).sum();
+                    number(&segment["pixels"]) >= share * pixels
+                        && along > 3f64.to_radians().cos()
+                        && (number(&segment["distance_m"]) / distance_m - 1.0).abs() < 0.05
+                });
+                assert!(
+                    found,
+                    "{set}, {approach}: no plane of {pixels} pixels, normal {normal:?}, {distance_m} m away"
+                );
+            }
         }
     }
 }

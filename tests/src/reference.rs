@@ -1,6 +1,8 @@
 //! The paper's edge-based segmentation (Harati, Gaechter, Siegwart 2006, sections 3 and 4) of a whole range image at
 //! once, in f64. Slow and obvious: it is what the streaming segmenter is compared with, and shares no code with it.
 //!
+//! The second approach of the paper, line-based region growing, is in [`lines`] and [`regions`].
+//!
 //! Bearing angles along each trace are kept as [counts](bearing::count); every later stage starts from the count
 //! images, so that it can be compared pixel by pixel with an implementation whose bearing angles round differently.
 //! Where the paper leaves a rule open, the function that applies it says which was chosen.
@@ -12,7 +14,9 @@ pub mod bearing;
 pub mod closing;
 pub mod edges;
 pub mod labels;
+pub mod lines;
 pub mod planes;
+pub mod regions;
 
 use beams::Beams;
 use closing::Element;

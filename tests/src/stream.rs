@@ -6,7 +6,8 @@ use crate::reference::labels::Class;
 use crate::reference::{Image, Segmentation, Settings, Size, Trace as ReferenceTrace, segment_counts};
 use scanseg_core::{
     Area, Beams, COUNTS_PER_RAD, Columns, Config, EdgeRow, EdgeSegmenter, Element, Finished, Join, LATENCY_ROWS, Label,
-    LabelRow, Memory, Pixel, PushError, Row, Segment, Sink, Sizes, Status, Trace, TurnAxis, bearing_row,
+    LabelRow, Memory, Pixel, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Status, Trace, TurnAxis,
+    bearing_row,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -155,17 +156,54 @@ impl Scan {
         record
     }
 
+    /// As [`Scan::record`], by the region-based approach.
+    pub fn record_regions(&self, config: &Config, areas: usize) -> Record {
+        let mut room = Room::new(self.columns, config, areas);
+        let mut segmenter = RegionSegmenter::new(*config, self.beams(), self.columns, room.memory()).unwrap();
+        let mut record = Record::default();
+        self.feed(&mut segmenter, &mut record).unwrap();
+        record
+    }
+
     /// Pushes all rows and finishes, until the record breaks off.
-    pub fn feed(&self, segmenter: &mut EdgeSegmenter, record: &mut Record) -> Result<(), PushError> {
+    pub fn feed(&self, segmenter: &mut impl Segmenter, record: &mut Record) -> Result<(), PushError> {
         for row in 0..self.turn_rad.len() {
-            let status = segmenter.push_row(self.row_m(row), self.turn_rad[row], record)?;
+            let status = segmenter.push(self.row_m(row), self.turn_rad[row], record)?;
             record.statuses.push(status);
             if status == Status::Stopped {
                 return Ok(());
             }
         }
-        record.finished = Some(segmenter.finish(record));
+        record.finished = Some(segmenter.end(record));
         Ok(())
+    }
+}
+
+/// Either segmenter.
+pub trait Segmenter {
+    /// `push_row`.
+    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError>;
+    /// `finish`.
+    fn end(&mut self, record: &mut Record) -> Finished;
+}
+
+impl Segmenter for EdgeSegmenter<'_> {
+    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
+        self.push_row(ranges_m, turn_rad, record)
+    }
+
+    fn end(&mut self, record: &mut Record) -> Finished {
+        self.finish(record)
+    }
+}
+
+impl Segmenter for RegionSegmenter<'_> {
+    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
+        self.push_row(ranges_m, turn_rad, record)
+    }
+
+    fn end(&mut self, record: &mut Record) -> Finished {
+        self.finish(record)
     }
 }
 
@@ -310,6 +348,16 @@ impl Record {
     /// - a join ends a greater label in favour of a smaller one that lives, and a label that has ended comes no more;
     /// - a segment is complete the row after its last one, and every label ends in a join or a segment.
     pub fn assert_order(&self, rows: usize) {
+        self.assert_order_of(rows, LATENCY_ROWS, LATENCY_ROWS);
+    }
+
+    /// [`Record::assert_order`] for the region-based approach, where everything of row r comes as it is pushed.
+    pub fn assert_order_of_regions(&self, rows: usize) {
+        self.assert_order_of(rows, RegionSegmenter::LATENCY_ROWS, 1);
+    }
+
+    /// `ahead`: rows of edges that have come before the labels of a row, its own among them.
+    fn assert_order_of(&self, rows: usize, latency_rows: usize, ahead: usize) {
         let mut done = 0;
         let mut edges = 0;
         let mut begun = 0;
@@ -327,8 +375,8 @@ impl Record {
             match event {
                 Event::Edges { row, .. } => {
                     assert_eq!(*row, edges);
-                    // the labels of row r come before the edges of row r + 3
-                    assert!(seen.is_empty() && done == (edges + 1).saturating_sub(LATENCY_ROWS), "edges of {row}");
+                    // the labels of row r come before the edges of row r + ahead
+                    assert!(seen.is_empty() && done == (edges + 1).saturating_sub(ahead), "edges of {row}");
                     edges += 1;
                 }
                 Event::Join(Join { from, into }) => {
@@ -344,7 +392,7 @@ impl Record {
                 }
                 Event::Row { row, pixels } => {
                     assert_eq!(*row, done);
-                    assert!(edges == (done + LATENCY_ROWS).min(rows), "labels of row {row} after edges of {edges}");
+                    assert!(edges == (done + ahead).min(rows), "labels of row {row} after edges of {edges}");
                     for pixel in pixels {
                         if let Pixel::Segment(label) = pixel {
                             assert!(!ended.contains_key(label), "row {row}: {label} lives");
@@ -359,7 +407,7 @@ impl Record {
         assert!((edges, done) == (rows, rows) && seen.is_empty());
         assert_eq!(ended.len(), begun as usize, "every label ends once");
         let unlabelled = if rows > 0 { self.unlabelled(self.columns) } else { Vec::new() };
-        let expected = |row: usize| match row.checked_sub(LATENCY_ROWS) {
+        let expected = |row: usize| match row.checked_sub(latency_rows) {
             None => Status::Buffered,
             Some(row) => Status::Labelled { row, unlabelled: unlabelled[row] },
         };

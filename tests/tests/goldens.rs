@@ -1,6 +1,10 @@
 //! Small scans with their edges and labels as pictures: `#` is an edge, a letter a label, a blank no return.
 
-use scanseg_core::{Config, Element, Join, Label, Pixel, Trace, TurnAxis, live_labels};
+#[allow(dead_code)]
+mod common;
+
+use common::scanner;
+use scanseg_core::{Config, Element, Join, Label, Pixel, Trace, live_labels};
 use scanseg_tests::art::Picture;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 use std::f32::consts::PI;
@@ -15,14 +19,6 @@ const CONFIG: Config = Config {
 
 /// Only steps along the row: every edge pixel is the first one after a jump.
 const JUMPS: Config = Config { roof_angle_rad: PI, traces: &[Trace::ROW], ..CONFIG };
-
-/// A tilting scanner, 1 deg between columns and between rows, `middle_deg` in the middle column.
-fn scanner(rows: usize, columns: usize, middle_deg: f32, range_m: impl Fn([f64; 3]) -> f64) -> Scan {
-    let start_rad = (middle_deg - (columns - 1) as f32 / 2.0).to_radians();
-    let rig = Rig::Nodding { angles: Angles::Even { start_rad, step_rad: 1f32.to_radians() }, axis: TurnAxis::Y };
-    let turn_rad = (0..rows).map(|row| (row as f32 - (rows - 1) as f32 / 2.0).to_radians()).collect();
-    Scan::of(columns, turn_rad, rig, range_m)
-}
 
 /// The scan whose ranges are drawn: a digit is a range in metres, a blank no return.
 fn drawn(art: &str) -> Scan {

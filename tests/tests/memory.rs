@@ -2,7 +2,7 @@
 
 use scanseg_core::{
     Area, Beams, Columns, Config, ConfigError, EdgeSegmenter, MAX_COLUMNS, MAX_RANGE_M, MAX_TRACE_ROWS, MAX_TRACES,
-    Sizes, Trace, TurnAxis, buffers, live_labels,
+    RegionSegmenter, Sizes, Trace, TurnAxis, buffers, live_labels,
 };
 use scanseg_tests::stream::{Angles, Record, Rig, Room, Scan};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -17,7 +17,8 @@ const BEAMS: Beams = Beams::Nodding { columns: EVEN, axis: TurnAxis::Y };
 #[test]
 fn fits_small_microcontrollers() {
     for (columns, kib) in [(361, 24), (181, 12)] {
-        let bytes = Sizes::of(columns, &CONFIG).bytes() + size_of::<EdgeSegmenter>();
+        let segmenter = size_of::<EdgeSegmenter>().max(size_of::<RegionSegmenter>());
+        let bytes = Sizes::of(columns, &CONFIG).bytes() + segmenter;
         println!("{columns} columns: {bytes} bytes");
         assert!(bytes <= kib * 1024, "{columns} columns: {bytes} bytes");
     }
@@ -63,6 +64,12 @@ fn buffers_in_statics() {
             assert_eq!(record, scan.record(&CONFIG, areas));
             assert!(!record.segments().is_empty());
         }
+        for (memory, areas) in [(full.memory(), live_labels(33)), (small.memory(), 4)] {
+            let mut segmenter = RegionSegmenter::new(CONFIG, scan.beams(), 33, memory).unwrap();
+            let mut record = Record::default();
+            scan.feed(&mut segmenter, &mut record).unwrap();
+            assert_eq!(record, scan.record_regions(&CONFIG, areas));
+        }
     }
 }
 
@@ -71,7 +78,11 @@ fn refused(config: Config, beams: Beams, columns: usize) -> Option<ConfigError> 
     // memory is looked at last, and traces and columns that are not possible need none
     let sane = Config { traces: &config.traces[..config.traces.len().min(MAX_TRACES)], ..config };
     let mut room = Room::new(columns.min(MAX_COLUMNS), &sane, 1);
-    EdgeSegmenter::new(config, beams, columns, room.memory()).err()
+    let by_regions = RegionSegmenter::new(config, beams, columns, room.memory()).err();
+    let refused = EdgeSegmenter::new(config, beams, columns, room.memory()).err();
+    // by their text, because NaN does not equal itself
+    assert_eq!(format!("{refused:?}"), format!("{by_regions:?}"), "both segmenters");
+    refused
 }
 
 #[test]
@@ -80,7 +91,10 @@ fn too_small_memory() {
     let with = |shrink: fn(&mut Room)| {
         let mut room = Room::new(33, &CONFIG, 1);
         shrink(&mut room);
-        EdgeSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err()
+        let by_regions = RegionSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err();
+        let refused = EdgeSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err();
+        assert_eq!(refused, by_regions);
+        refused
     };
     let memory = |field, needed| Some(ConfigError::Memory { field, needed, got: needed - 1 });
     assert_eq!(with(|_| {}), None);
@@ -102,12 +116,14 @@ fn too_small_memory() {
 #[test]
 fn values_of_a_configuration() {
     type Set = fn(&mut Config, f32);
-    let fields: [(&str, Set, &[f32], &[f32]); 5] = [
+    let fields: [(&str, Set, &[f32], &[f32]); 7] = [
         ("range_noise_m", |c, v| c.range_noise_m = v, &[0.0, 10.0], &[-1e-6, 10.1]),
         ("min_range_m", |c, v| c.min_range_m = v, &[1e-6, 100.0], &[0.0, -1.0, 100.1]),
         ("max_range_m", |c, v| c.max_range_m = v, &[0.05, MAX_RANGE_M], &[0.0, -1.0, MAX_RANGE_M.next_up()]),
         ("roof_angle_rad", |c, v| c.roof_angle_rad = v, &[1e-6, PI], &[0.0, -0.1, PI.next_up()]),
         ("step_angle_rad", |c, v| c.step_angle_rad = v, &[0.0, FRAC_PI_2], &[-0.1, FRAC_PI_2.next_up()]),
+        ("line_angle_rad", |c, v| c.line_angle_rad = v, &[1e-6, FRAC_PI_2], &[0.0, -0.1, FRAC_PI_2.next_up()]),
+        ("plane_distance_m", |c, v| c.plane_distance_m = v, &[0.0, 1.0], &[-1e-6, 1.1]),
     ];
     for (field, set, good, bad) in fields {
         let with = |value| {

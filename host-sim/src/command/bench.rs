@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use scanseg_core::{Config, EdgeSegmenter, LabelRow, Segment, Sink};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, check_size};
+use scanseg_core::{Config, LabelRow, Segment, Sink};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, Segmenter, check_size};
 use serde::Serialize;
 
 use super::options::{Options, in_terms_of_options};
@@ -83,7 +83,8 @@ fn time(scan: &Scan, config: &Config<'_>, arguments: &Arguments) -> Result<Timin
     check_size(ranges)?;
     let beams = ScanBeams::new(&scan.geometry, ranges.rows, ranges.columns)?;
     let mut memory = OwnedMemory::new(ranges.columns, config, arguments.options.max_labels());
-    let mut segmenter = EdgeSegmenter::new(*config, beams.beams(), ranges.columns, memory.memory())?;
+    let approach = arguments.options.approach();
+    let mut segmenter = Segmenter::new(approach, *config, beams.beams(), ranges.columns, memory.memory())?;
     let points = ranges.rows * ranges.columns;
     let mut consumer = Consumer::default();
     let mut ns_per_point = Vec::new();

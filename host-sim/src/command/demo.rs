@@ -45,7 +45,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let scan = Scan { name: "simulated office".to_string(), geometry, ranges };
     let config = arguments.options.config(&scan.geometry);
-    let (mut files, summary) = segment::segment(&scan, &config, arguments.options.max_labels(), &arguments.output)?;
+    let (approach, max_labels) = (arguments.options.approach(), arguments.options.max_labels());
+    let (mut files, summary) = segment::segment(&scan, approach, &config, max_labels, &arguments.output)?;
     files.push(("scan.png".to_string(), image.to_png()));
     files.push(("scan.pgm".to_string(), image.to_pgm()));
     files.push(("geometry.toml".to_string(), scan.geometry.to_toml().into_bytes()));

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use scanseg_core::{Config, ConfigError, Element, MAX_RANGE_M, Trace};
 use scanseg_sim::format::{Depth, Geometry, Kind};
-use scanseg_sim::segmentation::SegmentationError;
+use scanseg_sim::segmentation::{Approach, SegmentationError};
 use serde::Serialize;
 
 use super::Failure;
@@ -13,6 +13,9 @@ pub struct Options {
     /// Settings to start from
     #[arg(long, value_enum, default_value = "paper")]
     preset: Preset,
+    /// Which of the paper's two approaches
+    #[arg(long, value_enum, default_value = "edge")]
+    approach: ApproachOption,
     /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub range_noise_m: Option<f64>,
@@ -22,19 +25,25 @@ pub struct Options {
     /// Farther ranges count as no return [default: that of the geometry file, or of the preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     max_range_m: Option<f64>,
-    /// A roof edge is where the bearing angle turns by this much or more [default: of the preset]
+    /// Edge-based: a roof edge is where the bearing angle turns by this much or more [default: of the preset]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     roof_angle_deg: Option<f32>,
-    /// A step edge needs a bearing angle within this of 0 or 180 degrees [default: of the preset]
+    /// Edge-based: a step edge needs a bearing angle within this of 0 or 180 degrees [default: of the preset]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     step_angle_deg: Option<f32>,
-    /// Comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the previous pixel, such as 0x3 or
+    /// Edge-based: comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the previous pixel, such as 0x3 or
     /// 2x-2; each may be made longer by a factor, as in row*3 [default: of the preset]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_trace)]
     traces: Vec<Trace>,
-    /// Structuring element of the closing [default: of the preset]
+    /// Edge-based: structuring element of the closing [default: of the preset]
     #[arg(long, value_enum)]
     closing: Option<Closing>,
+    /// Region-based: a line of a row ends where the bearing angle turns by this much or more [default: of the preset]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    line_angle_deg: Option<f32>,
+    /// Region-based: surfaces may be this far from a plane, besides the noise [default: of the preset]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    plane_distance_m: Option<f32>,
     /// Size of the table of live labels [default: enough for any image]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_labels: Option<u32>,
@@ -44,6 +53,14 @@ pub struct Options {
 enum Preset {
     /// The paper's method, see Config::paper
     Paper,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ApproachOption {
+    /// By edges in bearing-angle images
+    Edge,
+    /// By growing regions from the lines of each row
+    Region,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -81,12 +98,23 @@ impl Options {
         if !self.traces.is_empty() {
             config.traces = &self.traces;
         }
+        if let Some(deg) = self.line_angle_deg {
+            config.line_angle_rad = deg.to_radians();
+        }
+        config.plane_distance_m = self.plane_distance_m.unwrap_or(config.plane_distance_m);
         config.closing = match self.closing {
             Some(Closing::Plus) => Element::Plus,
             Some(Closing::Square) => Element::Square,
             None => config.closing,
         };
         config
+    }
+
+    pub fn approach(&self) -> Approach {
+        match self.approach {
+            ApproachOption::Edge => Approach::Edge,
+            ApproachOption::Region => Approach::Region,
+        }
     }
 
     pub fn max_labels(&self) -> Option<usize> {
@@ -126,9 +154,13 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
         ConfigError::Value { field: "step_angle_rad", value } => {
             format!("--step-angle-deg cannot be {}", value.to_degrees()).into()
         }
-        ConfigError::Value { field: field @ ("range_noise_m" | "min_range_m" | "max_range_m"), value } => {
-            format!("--{} cannot be {value}", field.replace('_', "-")).into()
+        ConfigError::Value { field: "line_angle_rad", value } => {
+            format!("--line-angle-deg cannot be {}", value.to_degrees()).into()
         }
+        ConfigError::Value {
+            field: field @ ("plane_distance_m" | "range_noise_m" | "min_range_m" | "max_range_m"),
+            value,
+        } => format!("--{} cannot be {value}", field.replace('_', "-")).into(),
         ConfigError::Count { field: "traces", value } => format!("--traces: {value} are too many").into(),
         ConfigError::Count { field: field @ ("traces.rows" | "traces.columns"), value } => {
             format!("--traces cannot go back {value} {}", field.trim_start_matches("traces.")).into()
@@ -140,6 +172,7 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
 /// A configuration as the lists of segments state it.
 #[derive(Serialize)]
 pub struct Configuration {
+    approach: &'static str,
     range_noise_m: f32,
     min_range_m: f32,
     max_range_m: f32,
@@ -147,11 +180,17 @@ pub struct Configuration {
     step_angle_deg: f32,
     traces: Vec<String>,
     closing: &'static str,
+    line_angle_deg: f32,
+    plane_distance_m: f32,
 }
 
-impl From<&Config<'_>> for Configuration {
-    fn from(config: &Config<'_>) -> Self {
+impl Configuration {
+    pub fn new(approach: Approach, config: &Config<'_>) -> Self {
         Configuration {
+            approach: match approach {
+                Approach::Edge => "edge",
+                Approach::Region => "region",
+            },
             range_noise_m: config.range_noise_m,
             min_range_m: config.min_range_m,
             max_range_m: config.max_range_m,
@@ -162,6 +201,8 @@ impl From<&Config<'_>> for Configuration {
                 Element::Plus => "plus",
                 Element::Square => "square",
             },
+            line_angle_deg: config.line_angle_rad.to_degrees(),
+            plane_distance_m: config.plane_distance_m,
         }
     }
 }

@@ -8,10 +8,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use scanseg_core::{Config, Trace};
 use scanseg_sim::format::GreyImage;
 use scanseg_sim::overview::{Images, overview};
-use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
+use scanseg_sim::segmentation::{Approach, Segmentation, SegmentationError, bearing_image};
 
 use super::lists::{Entry, Header, Listing};
-use super::options::{Options, in_terms_of_options};
+use super::options::{Configuration, Options, in_terms_of_options};
 use super::{Failure, Files, Scan, print, write};
 
 /// From so many points on a bar shows the progress.
@@ -45,7 +45,8 @@ pub struct Output {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&scan.geometry);
-    let (files, summary) = segment(&scan, &config, arguments.options.max_labels(), &arguments.output)?;
+    let (files, summary) =
+        segment(&scan, arguments.options.approach(), &config, arguments.options.max_labels(), &arguments.output)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
@@ -53,14 +54,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Segments a scan: the files to write, and what to print.
 pub fn segment(
     scan: &Scan,
+    approach: Approach,
     config: &Config<'_>,
     max_labels: Option<usize>,
     output: &Output,
 ) -> Result<(Files, String), Failure> {
     let (rows, columns) = (scan.ranges.rows, scan.ranges.columns);
-    let bar = if rows * columns > LONG_SCAN { bar(3 * rows) } else { ProgressBar::hidden() };
+    let runs = if approach == Approach::Edge { 3 } else { 1 };
+    let bar = if rows * columns > LONG_SCAN { bar(runs * rows) } else { ProgressBar::hidden() };
     let run = |config: &Config<'_>| {
-        Segmentation::of(&scan.ranges, &scan.geometry, config, max_labels, || bar.inc(1))
+        Segmentation::of(&scan.ranges, &scan.geometry, approach, config, max_labels, || bar.inc(1))
             .map_err(|e| in_terms_of_options(&scan.name, e))
     };
     let started = Instant::now();
@@ -71,8 +74,23 @@ pub fn segment(
         let some: Vec<Trace> = config.traces.iter().copied().filter(along).collect();
         if some.is_empty() { vec![usual] } else { some }
     };
-    let edges_rows = run(&Config { traces: &traces(Trace::ROW, |t| t.rows == 0), ..*config })?.edges;
-    let edges_columns = run(&Config { traces: &traces(Trace::COLUMN, |t| t.columns == 0), ..*config })?.edges;
+    let edges_along = |usual, along| Ok::<_, Failure>(run(&Config { traces: &traces(usual, along), ..*config })?.edges);
+    let (edges_rows, edges_columns);
+    let edges: &[(&str, &[bool])] = match approach {
+        Approach::Edge => {
+            edges_rows = edges_along(Trace::ROW, |t| t.rows == 0)?;
+            edges_columns = edges_along(Trace::COLUMN, |t| t.columns == 0)?;
+            &[
+                ("Edges along rows", &edges_rows),
+                ("Edges along columns", &edges_columns),
+                ("Edges of all traces", &segmentation.edges),
+                ("Edges after closing", &segmentation.closed_edges),
+            ]
+        }
+        Approach::Region => {
+            &[("Where lines begin", &segmentation.edges), ("Pixels on no line", &segmentation.closed_edges)]
+        }
+    };
     bar.finish_and_clear();
 
     let listed = segmentation.of_pixels(output.min_pixels);
@@ -105,16 +123,14 @@ pub fn segment(
             segments_found: segmentation.segments.len(),
             segments_listed: listed.len(),
             min_pixels: output.min_pixels,
-            configuration: config.into(),
+            configuration: Configuration::new(approach, config),
         },
         segments: (1..).zip(listed).map(|(number, segment)| Entry::new(number, segment)).collect(),
     };
     let images = Images {
         bearing_rows: &horizontal,
         bearing_columns: &vertical,
-        edges_rows: &edges_rows,
-        edges_columns: &edges_columns,
-        edges: &segmentation.edges,
+        edges,
         closed_edges: &segmentation.closed_edges,
         numbers: &numbers,
     };

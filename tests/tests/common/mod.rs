@@ -17,6 +17,14 @@ pub fn uniform(seed: u64, row: usize, column: usize) -> f64 {
     (x >> 11) as f64 / (1u64 << 53) as f64
 }
 
+/// A tilting scanner, 1 deg between columns and between rows, `middle_deg` in the middle column.
+pub fn scanner(rows: usize, columns: usize, middle_deg: f32, range_m: impl Fn([f64; 3]) -> f64) -> Scan {
+    let start_rad = (middle_deg - (columns - 1) as f32 / 2.0).to_radians();
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad, step_rad: 1f32.to_radians() }, axis: TurnAxis::Y };
+    let turn_rad = (0..rows).map(|row| (row as f32 - (rows - 1) as f32 / 2.0).to_radians()).collect();
+    Scan::of(columns, turn_rad, rig, range_m)
+}
+
 /// Chooses one of a few by the seed.
 fn choose<T: Copy>(seed: u64, what: usize, from: &[T]) -> T {
     from[(uniform(seed, 1 << 20, what) * from.len() as f64) as usize]
@@ -187,6 +195,7 @@ prop_compose! {
             roof_angle_rad: roof_deg.to_radians().min(std::f32::consts::PI),
             step_angle_rad: step_deg.to_radians().min(std::f32::consts::FRAC_PI_2),
             closing: if square { Element::Square } else { Element::Plus },
+            ..Config::paper()
         }
     }
 }

@@ -1,0 +1,218 @@
+//! Line-based region growing (paper, section 4: lines "are then merged based on thresholding the distance of the segment
+//! endpoints to the growing region"), on the whole image, from the points of each region.
+
+use super::Image;
+use super::beams::Beams;
+use super::labels::Class;
+use super::lines::{Doubt, Line, RowLines, Settings, points, row_lines};
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+/// Points are kept as whole multiples of this, metres.
+const UNIT_M: f64 = 1.0 / 4096.0;
+
+/// Standard deviations that an end point may be off.
+const DISTANCE_SIGMAS: f64 = 4.0;
+
+/// A way steeper than this against the beam is a step: the cotangent of 3 degrees.
+const GRAZING_COT: f64 = 19.1;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// What each pixel is; edges are on no line.
+    pub classes: Vec<Class>,
+    /// Pixels with a return that begin a line or are on none.
+    pub breaks: Vec<bool>,
+    /// The label of each pixel's region, from 1 in scan order of their first pixels; 0 in none.
+    pub labels: Vec<u32>,
+    /// How sure the decisions were.
+    pub doubt: Doubt,
+}
+
+/// Principal axes of points.
+struct Axes {
+    /// Number of points.
+    points: f64,
+    centroid: Vector3<f64>,
+    /// Mean squares along the axes, smallest first.
+    squares: [f64; 3],
+    vectors: [Vector3<f64>; 3],
+}
+
+fn axes(points: &[Vector3<f64>]) -> Axes {
+    let n = points.len() as f64;
+    let centroid = points.iter().sum::<Vector3<f64>>() / n;
+    let scatter: Matrix3<f64> = points.iter().map(|p| (p - centroid) * (p - centroid).transpose()).sum();
+    let eigen = SymmetricEigen::new(scatter / n);
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    Axes {
+        points: n,
+        centroid,
+        squares: order.map(|i| eigen.eigenvalues[i].max(0.0)),
+        vectors: order.map(|i| eigen.eigenvectors.column(i).into_owned()),
+    }
+}
+
+struct Grower<'a> {
+    settings: &'a Settings,
+    doubt: Doubt,
+    /// The points of each region; empty where it was joined into another.
+    regions: Vec<Vec<Vector3<f64>>>,
+    joined_into: Vec<usize>,
+}
+
+impl Grower<'_> {
+    fn root(&self, mut region: usize) -> usize {
+        while self.joined_into[region] != region {
+            region = self.joined_into[region];
+        }
+        region
+    }
+
+    fn has_plane(&mut self, axes: &Axes) -> bool {
+        let thin_m = self.settings.range_noise_m + 0.001;
+        let threshold = thin_m * thin_m + 4e-6 * axes.squares[2];
+        // the middle one of three, of points rounded a little differently
+        self.doubt.above(axes.squares[1], threshold, 5e-7 * axes.squares[2] + 0.02 * threshold)
+    }
+
+    /// Whether a point is near a plane.
+    fn near(&mut self, plane: &Axes, point: &Vector3<f64>) -> bool {
+        let normal = plane.vectors[0];
+        let distance_m = normal.dot(&(point - plane.centroid)).abs();
+        let cos = normal.dot(&point.normalize()).abs();
+        let tolerance_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m * cos;
+        // one point of a hundred may be rounded to the next unit, and f32 has 5e-7 of the largest square: both tilt the
+        // normal towards the other axes
+        let lever = point - plane.centroid;
+        let tilted = |axis: usize| {
+            let stiffness = (plane.squares[axis] - plane.squares[0]).max(1e-12);
+            let tilt = 0.8 * UNIT_M / (plane.points * stiffness).sqrt() + 5e-7 * plane.squares[2] / stiffness;
+            tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.settings.range_noise_m)
+        };
+        let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
+        !self.doubt.above(distance_m, tolerance_m, margin)
+    }
+
+    /// Whether the way from a region without a plane to a point is a step.
+    fn is_step(&mut self, region: &Axes, point: &Vector3<f64>) -> bool {
+        let (along, way) = (region.vectors[2], point - region.centroid);
+        let off = way - along * along.dot(&way);
+        let beam = point.normalize();
+        let deep_m = off.dot(&beam).abs();
+        let across_m = (off - beam * off.dot(&beam)).norm();
+        let slack_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m;
+        let turned = 1e-6 + 0.1 * UNIT_M / (region.squares[2] - region.squares[1]).max(1e-12).sqrt();
+        let margin = 1e-3 * slack_m + 1e-3 * deep_m + (0.1 * UNIT_M + turned * way.norm()) * (1.0 + GRAZING_COT);
+        self.doubt.above(deep_m, across_m * GRAZING_COT + slack_m, margin)
+    }
+
+    /// How well a region takes a line, if it does: whether it has a plane, and its points.
+    fn takes(&mut self, region: usize, line: &[Vector3<f64>]) -> Option<(bool, usize)> {
+        let ends = [line[0], line[line.len() - 1]];
+        let own = axes(&self.regions[region]);
+        let planar = self.has_plane(&own);
+        let takes = if planar {
+            ends.iter().all(|end| self.near(&own, end))
+        } else {
+            let both = axes(&[self.regions[region].as_slice(), line].concat());
+            ends.iter().all(|end| self.near(&both, end) && !self.is_step(&own, end))
+        };
+        takes.then_some((planar, self.regions[region].len()))
+    }
+
+    /// Whether two regions are one, once something else says that they could be.
+    fn meets(&mut self, one: usize, other: usize) -> bool {
+        let (one, other) = (axes(&self.regions[one]), axes(&self.regions[other]));
+        [(&one, &other), (&other, &one)]
+            .into_iter()
+            .all(|(plane, other)| !self.has_plane(plane) || self.near(plane, &other.centroid))
+    }
+
+    fn join(&mut self, into: usize, from: usize) {
+        let points = std::mem::take(&mut self.regions[from]);
+        self.regions[into].extend(points);
+        self.joined_into[from] = into;
+    }
+
+    /// The region that a line belongs to. `above`: the regions of the lines of the row above that it touches, from the
+    /// left, as they were when that row was done.
+    fn place(&mut self, line: &[Vector3<f64>], above: &[usize]) -> usize {
+        let mut best: Option<((bool, usize), usize)> = None;
+        for &region in above {
+            let root = self.root(region);
+            if best.is_some_and(|(_, best)| best == root) {
+                continue;
+            }
+            if let Some(well) = self.takes(root, line)
+                && best.is_none_or(|(most, _)| well > most)
+            {
+                best = Some((well, root));
+            }
+        }
+        let Some((_, region)) = best else {
+            self.regions.push(line.to_vec());
+            self.joined_into.push(self.regions.len() - 1);
+            return self.regions.len() - 1;
+        };
+        for &other in above {
+            let other = self.root(other);
+            if other != region && self.takes(other, line).is_some() && self.meets(region, other) {
+                self.join(region, other);
+            }
+        }
+        self.regions[region].extend_from_slice(line);
+        region
+    }
+}
+
+/// Grows regions: rows from the first, lines from the left.
+pub fn regions(image: &Image, beams: &Beams, settings: &Settings) -> Regions {
+    let size = image.size;
+    let mut grower = Grower { settings, doubt: Doubt::default(), regions: Vec::new(), joined_into: Vec::new() };
+    let mut region_of = vec![None; size.rows * size.columns];
+    let mut breaks = vec![false; size.rows * size.columns];
+    let mut above: Vec<(Line, usize)> = Vec::new();
+    for row in 0..size.rows {
+        let exact = points(image, beams, row);
+        let RowLines { lines, seam } = row_lines(&exact, size, settings, &mut grower.doubt);
+        let unit = |point: Vector3<f64>| point.map(|c| (c / UNIT_M).round() * UNIT_M);
+        let mut current = Vec::new();
+        for column in (0..size.columns).filter(|&column| exact[column].is_some()) {
+            let inside = lines.iter().any(|line| line.start < column && column < line.end);
+            breaks[size.index(row, column)] = !inside;
+        }
+        for line in lines {
+            let of_line: Vec<_> = exact[line.start..line.end].iter().map(|point| unit(point.unwrap())).collect();
+            let touching = above.iter().filter(|(a, _)| a.start < line.end && line.start < a.end);
+            let region = grower.place(&of_line, &touching.map(|&(_, region)| region).collect::<Vec<_>>());
+            current.push((line, region));
+        }
+        if let [(first, one), .., (last, other)] = current[..]
+            && seam
+            && (first.start, last.end) == (0, size.columns)
+        {
+            let (one, other) = (grower.root(one), grower.root(other));
+            if one != other && grower.meets(one, other) {
+                grower.join(one, other);
+            }
+        }
+        for (line, region) in &mut current {
+            *region = grower.root(*region);
+            for column in line.start..line.end {
+                region_of[size.index(row, column)] = Some(*region);
+            }
+        }
+        above = current;
+    }
+    let labels: Vec<u32> =
+        region_of.iter().map(|region| region.map_or(0, |region| grower.root(region) as u32 + 1)).collect();
+    let class = |(pixel, &label): ((usize, usize), &u32)| match (image.range(pixel), label) {
+        (None, _) => Class::NoReturn,
+        (Some(_), 0) => Class::Edge,
+        _ => Class::Area,
+    };
+    let classes = size.pixels().zip(&labels).map(class).collect();
+    Regions { classes, breaks, labels: crate::art::canonical(&labels), doubt: grower.doubt }
+}

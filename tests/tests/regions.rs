@@ -1,0 +1,242 @@
+//! The region-based segmenter: what the reference finds in the whole image, and what must hold of every scan.
+
+#[allow(dead_code)]
+mod common;
+
+use common::{configs, scan_of, scans, uniform};
+use proptest::prelude::*;
+use scanseg_core::{Config, Finished, Pixel, PushError, RegionSegmenter, Status, TurnAxis, live_labels};
+use scanseg_tests::art::{Picture, canonical};
+use scanseg_tests::reference::lines::Settings;
+use scanseg_tests::reference::regions::{Regions, regions};
+use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter, class};
+
+/// With other thresholds of lines and regions.
+fn region_configs() -> impl Strategy<Value = Config<'static>> {
+    let angles = prop::sample::select([3.0f32, 10.0, 45.0, 90.0].as_slice());
+    let distances = prop::sample::select([0.005f32, 0.0, 0.05, 1.0].as_slice());
+    let noises = prop::sample::select([0.01f32, 0.0, 0.002, 0.3].as_slice());
+    (configs(), angles, distances, noises).prop_map(|(config, angle_deg, plane_distance_m, range_noise_m)| Config {
+        line_angle_rad: angle_deg.to_radians().min(std::f32::consts::FRAC_PI_2),
+        plane_distance_m,
+        range_noise_m,
+        ..config
+    })
+}
+
+fn expected(scan: &Scan, config: &Config) -> Regions {
+    let settings = Settings {
+        line_angle_rad: config.line_angle_rad.into(),
+        range_noise_m: config.range_noise_m.into(),
+        plane_distance_m: config.plane_distance_m.into(),
+    };
+    regions(&scan.image(config), &scan.reference_beams(), &settings)
+}
+
+/// Compares everything where no decision of the reference is in doubt. Gives whether it did.
+fn assert_same(scan: &Scan, config: &Config) -> bool {
+    let columns = scan.columns;
+    let record = scan.record_regions(config, live_labels(columns));
+    record.assert_order_of_regions(scan.turn_rad.len());
+    assert_eq!(record.unlabelled(columns).iter().sum::<u32>(), 0, "pixels without a label");
+    assert_counts(scan, &record);
+    let expected = expected(scan, config);
+    if expected.doubt.doubtful > 0 {
+        return false;
+    }
+    assert_eq!(Picture::bits(columns, &record.edges(columns)), Picture::bits(columns, &expected.breaks));
+    let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
+    assert_eq!(Picture::classes(columns, &classes), Picture::classes(columns, &expected.classes));
+    let labels = canonical(&record.labels());
+    assert_eq!(
+        Picture::labels(columns, &classes, &labels),
+        Picture::labels(columns, &expected.classes, &expected.labels)
+    );
+    assert_eq!(labels, expected.labels);
+    true
+}
+
+/// Every segment counts the pixels of its label.
+fn assert_counts(scan: &Scan, record: &Record) {
+    let labels = record.labels();
+    let mut counted = std::collections::BTreeMap::new();
+    for &label in labels.iter().filter(|&&label| label != 0) {
+        *counted.entry(label).or_insert(0) += 1;
+    }
+    let segments = record.segments();
+    assert_eq!(
+        segments.values().map(|s| (s.label.0, s.pixels())).collect::<std::collections::BTreeMap<_, _>>(),
+        counted
+    );
+    for (pixel, &label) in scan.size().pixels().zip(&labels).filter(|&(_, &label)| label != 0) {
+        let segment = segments[&label];
+        let rows = usize::from(segment.first_row)..=usize::from(segment.last_row);
+        let columns = usize::from(segment.first_column)..=usize::from(segment.last_column);
+        assert!(rows.contains(&pixel.0) && columns.contains(&pixel.1), "{pixel:?} {segment:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn same_as_the_reference(scan in scans(16), config in region_configs()) {
+        assert_same(&scan, &config);
+    }
+
+    /// A scan cut anywhere is a scan, and until the cut everything comes as in the whole scan.
+    #[test]
+    fn cut_anywhere(scan in scans(24), config in region_configs(), part in 0.0f64..1.0) {
+        let rows = (part * scan.turn_rad.len() as f64) as usize;
+        let record = scan.cut(rows).record_regions(&config, live_labels(scan.columns));
+        record.assert_order_of_regions(rows);
+        let whole = scan.record_regions(&config, live_labels(scan.columns));
+        prop_assert_eq!(&whole.statuses[..rows], &record.statuses[..]);
+        // all but the segments that the end completes
+        let ends = record.events.iter().rposition(|event| matches!(event, Event::Row { .. })).map_or(0, |last| last + 1);
+        prop_assert_eq!(&whole.events[..ends], &record.events[..ends]);
+    }
+
+    /// What came before leaves no trace, with a table of any size: a whole scan, one dropped by `reset`, a scan broken off.
+    #[test]
+    fn every_scan_starts_clean(
+        scan in scans(16), config in region_configs(), other in any::<u64>(), index in 0usize..40,
+    ) {
+        let columns = scan.columns;
+        let areas = 1 + (index * columns) % live_labels(columns);
+        let expected = scan.record_regions(&config, areas);
+        let other = Scan { rig: scan.rig.clone(), ..scan_of(20, columns, 0, (other % 6) as usize, other) };
+        let mut room = Room::new(columns, &config, areas);
+        let mut segmenter = RegionSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
+        let mut record = || {
+            let mut record = Record::default();
+            scan.feed(&mut segmenter, &mut record).unwrap();
+            (other.feed(&mut segmenter, &mut Record::default()), record)
+        };
+        prop_assert_eq!(&record().1, &expected);
+        prop_assert_eq!(&record().1, &expected);
+        let mut broken = Record { break_at: Some(index), ..Record::default() };
+        other.feed(&mut segmenter, &mut broken).unwrap();
+        let mut again = Record::default();
+        scan.feed(&mut segmenter, &mut again).unwrap();
+        prop_assert_eq!(&again, &expected);
+        segmenter.push(other.row_m(0), 0.0, &mut Record::default()).unwrap();
+        segmenter.reset();
+        let refused = segmenter.push(&vec![1.0; columns + 1], 0.0, &mut Record::default());
+        prop_assert_eq!(refused, Err(PushError::RowLength { expected: columns, got: columns + 1 }));
+        let mut last = Record::default();
+        scan.feed(&mut segmenter, &mut last).unwrap();
+        prop_assert_eq!(&last, &expected);
+    }
+
+    /// With a table that is too small: lines go without a label only where nothing that touches them has one that takes
+    /// them, and everything that is told still adds up.
+    #[test]
+    fn few_labels(scan in scans(24), config in region_configs(), share in 0.0f64..1.0) {
+        let areas = 1 + (share * share * (live_labels(scan.columns) - 1) as f64) as usize;
+        let record = scan.record_regions(&config, areas);
+        record.assert_order_of_regions(scan.turn_rad.len());
+        assert_counts(&scan, &record);
+        let full = scan.record_regions(&config, live_labels(scan.columns));
+        prop_assert_eq!(record.edges(scan.columns), full.edges(scan.columns));
+        let classes = |record: &Record| record.pixels().into_iter().map(class).collect::<Vec<_>>();
+        prop_assert_eq!(classes(&record), classes(&full));
+        // no two segments, or none and one, can share a run
+        let unlabelled = record.pixels().iter().filter(|&&pixel| pixel == Pixel::Unlabelled).count() as u32;
+        let rows = scan.turn_rad.len();
+        prop_assert_eq!(record.finished, Some(Finished::Complete { rows, unlabelled }));
+    }
+
+    /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.
+    #[test]
+    fn any_bits(columns in common::columns(), rig in 0usize..7, seed: u64, config in region_configs()) {
+        let mut scan = scan_of(12, columns, rig, 0, seed);
+        let bits = |row, column| f32::from_bits((uniform(seed ^ 9, row, column) * 4294967296.0) as u32);
+        for (i, range_m) in scan.range_m.iter_mut().enumerate() {
+            if uniform(seed, 77, i) < 0.5 {
+                *range_m = bits(i / columns, i % columns);
+            }
+        }
+        let mut room = Room::new(columns, &config, live_labels(columns));
+        let mut segmenter = RegionSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
+        let mut record = Record::default();
+        for row in 0..12 {
+            let turn_rad = if uniform(seed, 78, row) < 0.3 { bits(row, 1 << 18) } else { scan.turn_rad[row] };
+            match segmenter.push(scan.row_m(row), turn_rad, &mut record) {
+                Ok(status) => {
+                    let labelled = matches!(status, Status::Labelled { unlabelled: 0, .. });
+                    prop_assert!(labelled, "{:?}", status);
+                }
+                Err(e) => {
+                    let refused = matches!(e, PushError::TurnAngle { .. });
+                    prop_assert!(refused, "{}", e);
+                }
+            }
+        }
+        segmenter.end(&mut record);
+    }
+}
+
+/// The comparison is about something: of scans of all kinds more than a third are compared, with joins, regions and lines of all sizes.
+#[test]
+fn most_scans_are_compared() {
+    let (mut compared, mut skipped, mut joins, mut segments, mut largest) = (0, 0, 0, 0, 0);
+    for seed in 0..150 {
+        let scan = scan_of(16, 33, seed as usize % 7, seed as usize % 6, seed);
+        for config in [Config::paper(), Config { range_noise_m: 0.0, plane_distance_m: 0.02, ..Config::paper() }] {
+            if !assert_same(&scan, &config) {
+                skipped += 1;
+                continue;
+            }
+            compared += 1;
+            let record = scan.record_regions(&config, live_labels(33));
+            joins += record.events.iter().filter(|event| matches!(event, Event::Join(_))).count();
+            segments += record.segments().len();
+            largest += record.segments().values().filter(|segment| segment.pixels() > 100).count();
+        }
+    }
+    println!("{compared} compared, {skipped} in doubt, {joins} joins, {segments} segments, {largest} of 100 pixels");
+    assert!(3 * compared > skipped + compared && joins > 100 && segments > 1000 && largest > 50);
+}
+
+/// Lines that touch, two pixels each, every line a region of its own: no image has more live labels. Each row is a zigzag
+/// whose corners are at every second pixel, and no two lines are in one plane.
+#[test]
+fn worst_case_of_live_labels() {
+    let config = Config { range_noise_m: 0.0, plane_distance_m: 0.0, ..Config::paper() };
+    let step_rad = 0.02f32;
+    for columns in 2..70 {
+        for shift in [0, 1] {
+            let angles = Angles::Even { start_rad: -step_rad * columns as f32 / 2.0, step_rad };
+            let rig = Rig::Nodding { angles, axis: TurnAxis::Y };
+            let turn_rad: Vec<f32> = (0..6).map(|row| step_rad * row as f32).collect();
+            let mut scan = Scan { columns, range_m: vec![0.0; 6 * columns], turn_rad, rig };
+            // corners at odd columns, or in every second row at even ones
+            let is_corner = |row: usize, column: usize| !(column + row * shift).is_multiple_of(2);
+            let corner_m = |row: usize, column: usize| {
+                let far = if (column / 2).is_multiple_of(2) { 0.1 } else { 0.0 };
+                1.0 + far + 0.01 * uniform(0, row, column)
+            };
+            for (row, column) in scan.size().pixels() {
+                let range_m = if is_corner(row, column) || column == 0 {
+                    corner_m(row, column)
+                } else {
+                    // half way between the corners to either side
+                    let inverse = 1.0 / corner_m(row, column - 1) + 1.0 / corner_m(row, column + 1);
+                    2.0 * f64::from(step_rad).cos() / inverse
+                };
+                scan.range_m[row * columns + column] = range_m as f32;
+            }
+            let record = scan.record_regions(&config, live_labels(columns));
+            assert_eq!(record.unlabelled(columns).iter().sum::<u32>(), 0, "{columns} columns");
+            record.assert_order_of_regions(6);
+            let lines: usize =
+                (0..6).map(|row| if row * shift % 2 == 0 { columns / 2 } else { (columns - 1) / 2 }).sum();
+            assert_eq!(record.segments().len(), lines.max(6), "{columns} columns, {shift}");
+            if columns > 3 {
+                let lost = scan.record_regions(&config, live_labels(columns) - 2);
+                assert!(lost.unlabelled(columns).iter().sum::<u32>() > 0, "{columns} columns");
+            }
+        }
+    }
+}
