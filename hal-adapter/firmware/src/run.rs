@@ -2,12 +2,12 @@
 
 use embedded_hal::spi::SpiDevice;
 use embedded_io::{Read, ReadExactError, Write};
-use scanseg_core::{Config, EdgeSegmenter};
+use scanseg_core::Config;
 use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
 use scanseg_hal::link::Reporter;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Session, Settings, Unit, Variant};
-use scanseg_hal::rig::{Rig, TiltLimits};
+use scanseg_hal::rig::{Rig, RowSegmenter, TiltLimits};
 
 use crate::figures::Timed;
 
@@ -112,7 +112,7 @@ pub fn run<R: Read, W: Write>(
     ports: Ports<R, impl SpiDevice, W>,
     settings: &Settings,
     session: &mut Session,
-    rig: &mut Rig<'_, Timed<EdgeSegmenter<'_>>>,
+    rig: &mut Rig<'_, Timed<impl RowSegmenter>>,
     mut ask: impl FnMut(),
 ) -> ReadExactError<R::Error> {
     let Ports { mut scanner, encoder, mut link } = ports;

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use scanseg_core::{EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, Segment, Sink, Status};
+use scanseg_core::{EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, RegionSegmenter, Segment, Sink, Status};
 use serde::{Deserialize, Serialize};
 
 use super::counters::count;
@@ -28,6 +28,16 @@ impl RowSegmenter for EdgeSegmenter<'_> {
 
     fn finish(&mut self, sink: &mut impl Sink) -> Finished {
         EdgeSegmenter::finish(self, sink)
+    }
+}
+
+impl RowSegmenter for RegionSegmenter<'_> {
+    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
+        RegionSegmenter::push_row(self, ranges_m, turn_rad, sink)
+    }
+
+    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
+        RegionSegmenter::finish(self, sink)
     }
 }
 

@@ -6,11 +6,11 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-use scanseg_core::EdgeSegmenter;
+use scanseg_core::{EdgeSegmenter, RegionSegmenter};
 use scanseg_firmware::figures::Timed;
 use scanseg_firmware::run::{CONFIG, LineClock, Ports, limits, run};
 use scanseg_hal::lms2xx::{Session, Settings};
-use scanseg_hal::rig::{Rig, beams};
+use scanseg_hal::rig::{Rig, RowSegmenter, beams};
 use scanseg_sim::segmentation::OwnedMemory;
 use scanseg_sim::virtual_rig::VirtualAs5048a;
 
@@ -26,15 +26,50 @@ pub struct Expected {
     pub frames: Frames,
 }
 
+/// Which segmenter.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Approach {
+    Edge,
+    Region,
+}
+
+impl Approach {
+    pub fn name(self) -> &'static str {
+        match self {
+            Approach::Edge => "edge-based",
+            Approach::Region => "region-based",
+        }
+    }
+
+    /// Of the image's name.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Approach::Edge => "",
+            Approach::Region => "-region",
+        }
+    }
+}
+
 /// Runs the chain on all that the scanner sends.
-pub fn expected(stream: &[u8], settings: &Settings, max_labels: Option<usize>) -> Result<Expected> {
+pub fn expected(
+    stream: &[u8],
+    settings: &Settings,
+    approach: Approach,
+    max_labels: Option<usize>,
+) -> Result<Expected> {
     let columns = usize::from(settings.variant.columns());
     let mut memory = OwnedMemory::new(columns, &CONFIG, max_labels);
-    let segmenter = EdgeSegmenter::new(CONFIG, beams(settings.variant), columns, memory.memory())?;
-    let mut rows_m = vec![0.0; 2 * columns];
+    let (beams, memory) = (beams(settings.variant), memory.memory());
+    match approach {
+        Approach::Edge => chain(stream, settings, EdgeSegmenter::new(CONFIG, beams, columns, memory)?),
+        Approach::Region => chain(stream, settings, RegionSegmenter::new(CONFIG, beams, columns, memory)?),
+    }
+}
+
+fn chain(stream: &[u8], settings: &Settings, segmenter: impl RowSegmenter) -> Result<Expected> {
+    let mut rows_m = vec![0.0; 2 * usize::from(settings.variant.columns())];
     let mut rig = Rig::new(*settings, limits(settings), Timed(segmenter), &mut rows_m)?;
     let mut session = Session::listening(*settings);
-
     let clock = Rc::new(RefCell::new(LineClock::new(settings)));
     let tilt_clock = clock.clone();
     let sensor = VirtualAs5048a::new(move || Recording::tilt_turns(settings, tilt_clock.borrow().now_us()));

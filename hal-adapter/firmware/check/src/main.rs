@@ -15,6 +15,7 @@ use scanseg_firmware::run::{MICROBIT, MICROBIT_AREAS, MPS2};
 use scanseg_hal::link::{Decoder, Message, Received};
 use scanseg_hal::lms2xx::Settings;
 
+use host::Approach;
 use image::Size;
 use qemu::Wiring;
 use scene::Recording;
@@ -92,31 +93,32 @@ fn check(images: &Path) -> Result<bool> {
         "", "columns", "instructions/point", "segment.", "text", "rodata", "data", "flash", "static", "stack", "memory"
     );
     let mut good = true;
-    for machine in MACHINES
-        .iter()
-        .filter(|m| std::env::var("ONLY").is_ok_and(|o| m.name.contains(&o)) || std::env::var("ONLY").is_err())
-    {
-        good &= machine.check(images, &recording)?;
+    for approach in [Approach::Edge, Approach::Region] {
+        println!("{}", approach.name());
+        for machine in &MACHINES {
+            good &= machine.check(images, &recording, approach)?;
+        }
     }
     Ok(good)
 }
 
 impl Machine {
-    fn check(&self, images: &Path, recording: &Recording) -> Result<bool> {
+    fn check(&self, images: &Path, recording: &Recording, approach: Approach) -> Result<bool> {
         let stream = recording.stream(&self.settings);
-        let expected = host::expected(&stream, &self.settings, self.max_labels)?;
+        let expected = host::expected(&stream, &self.settings, approach, self.max_labels)?;
         let summary = Summary::of(&expected.link);
         if summary.rows != recording.rows() || summary.planes < 10 {
             println!("{}: the chain on this host makes no sense: {summary:?}", self.name);
             return Ok(false);
         }
-        let plain = images.join(self.image);
+        let image = format!("{}{}", self.image, approach.suffix());
+        let plain = images.join(&image);
         let run = |image: &Path, more: usize| {
             let wanted = expected.link.len() + more;
             qemu::run(self.name, self.wiring, image, &stream, expected.frames.clone(), wanted)
         };
         let link = run(&plain, 0)?;
-        let measured = run(&images.join(format!("{}-figures", self.image)), 4 * (1 + COUNT))?;
+        let measured = run(&images.join(format!("{image}-figures")), 4 * (1 + COUNT))?;
         let (measured, record) = measured.split_at(measured.len().min(expected.link.len()));
         for (image, link) in [("image", &link[..]), ("image with figures", measured)] {
             if let Some(at) = difference(&expected.link, link) {
@@ -201,9 +203,6 @@ struct Figures {
 impl Figures {
     fn read(record: &[u8], tick_ns: f64, points: f64) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        if std::env::var("RAW").is_ok() {
-            println!("{words:?}");
-        }
         let [MAGIC, ticks, in_segmenter, waits, empty_ticks, stack, _] = words[..] else { return None };
         let per_point = |ticks: f64| ticks * tick_ns / INSTRUCTION_NS / points;
         let of_waits = f64::from(waits) * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);

@@ -4,7 +4,11 @@
 #![no_main]
 
 use m0_float as _;
-use scanseg_core::{EdgeSegmenter, buffers};
+#[cfg(not(feature = "region"))]
+use scanseg_core::EdgeSegmenter as Segmenter;
+#[cfg(feature = "region")]
+use scanseg_core::RegionSegmenter as Segmenter;
+use scanseg_core::buffers;
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
 use scanseg_firmware::run::{CONFIG, MICROBIT, MICROBIT_AREAS, Ports, limits, run};
@@ -24,7 +28,7 @@ fn main() -> ! {
     // SAFETY: this is an nRF51, and its UART is taken once.
     let uart = unsafe { Uart::new() };
     let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
-    let segmenter = EdgeSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
+    let segmenter = Segmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
     if let Ok(segmenter) = segmenter
         && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
     {

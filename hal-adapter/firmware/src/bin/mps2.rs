@@ -3,7 +3,11 @@
 #![no_std]
 #![no_main]
 
-use scanseg_core::{EdgeSegmenter, buffers};
+#[cfg(not(feature = "region"))]
+use scanseg_core::EdgeSegmenter as Segmenter;
+#[cfg(feature = "region")]
+use scanseg_core::RegionSegmenter as Segmenter;
+use scanseg_core::buffers;
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::run::{CONFIG, MPS2, Ports, limits, run};
 use scanseg_firmware::uart::cmsdk::Uart;
@@ -24,7 +28,7 @@ fn main() -> ! {
     // SAFETY: both boards have these UARTs, and each is taken once.
     let [scanner, encoder, link] =
         [0x4000_4000, 0x4000_5000, 0x4000_6000].map(|base| unsafe { Uart::new(base, DIVIDER) });
-    let segmenter = EdgeSegmenter::new(CONFIG, beams(MPS2.variant), COLUMNS, BUFFERS.memory());
+    let segmenter = Segmenter::new(CONFIG, beams(MPS2.variant), COLUMNS, BUFFERS.memory());
     if let Ok(segmenter) = segmenter
         && let Ok(mut rig) = Rig::new(MPS2, limits(&MPS2), Timed(segmenter), ROWS_M)
     {
