@@ -10,6 +10,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rustc-cfg=machine=\"{machine}\"");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     fs::copy(format!("{machine}.x"), out.join("memory.x"))?;
+    // no handlers of interrupts
+    fs::write(out.join("device.x"), "")?;
     println!("cargo:rerun-if-changed={machine}.x");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

@@ -39,3 +39,9 @@ fn main() -> ! {
         core::hint::spin_loop();
     }
 }
+
+/// The vectors of interrupts: there are none.
+// SAFETY: the section and the name are those that cortex-m-rt's linker script expects; no interrupt is ever enabled.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [usize; 1] = [0];

@@ -39,3 +39,9 @@ fn main() -> ! {
         core::hint::spin_loop();
     }
 }
+
+/// The vectors of interrupts: there are none, so one entry in place of 240 keeps 956 bytes of flash.
+// SAFETY: the section and the name are those that cortex-m-rt's linker script expects; no interrupt is ever enabled.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [usize; 1] = [0];
