@@ -86,8 +86,18 @@ impl Sweep {
     /// The mean of [`Sweep::age_us`] over the telegram's columns: the age of the row as a whole.
     #[must_use]
     pub fn mean_age_us(&self) -> f32 {
-        let sum = (0..self.columns).fold(0.0, |sum, column| sum + self.age_us(column));
-        sum / f32::from(self.columns.max(1))
+        // in whole quarter degrees, for processors without floating point
+        let sum: u32 = (0..self.columns).map(|column| self.age_quarters(column)).sum();
+        sum as f32 / (1440.0 * f32::from(self.columns.max(1))) * MIRROR_TURN_US
+    }
+
+    /// [`Sweep::age_us`] in quarter degrees of the mirror's turn, for columns of the telegram.
+    fn age_quarters(&self, column: u16) -> u32 {
+        let column = u32::from(column) + u32::from(self.first_column);
+        let mask = u32::from(self.turn_mask);
+        let turns_after = mask - (column & mask);
+        let quarter = u32::from(self.first_quarter) + column * u32::from(self.step_quarters);
+        turns_after * 1440 + u32::from(self.view_quarters).saturating_sub(quarter)
     }
 }
 

@@ -14,22 +14,34 @@ use scanseg_sim::office::{SCENES, Scene, Sensor, Set};
 use scanseg_sim::segmentation::{Approach, Segmentation};
 
 const MIN_PIXELS: usize = 30;
+
+/// Standard deviation of the jumps of the turn angle that the encoder does not tell: more than half of a row.
+const SEAMS_DEG: f64 = 0.3;
+
 type Labels = fn(&RangeImage, &Geometry, &[u16], f32) -> Vec<u16>;
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let all = env::args().nth(1).as_deref() != Some("default");
+    let default: Labels = |ranges, geometry, _, noise_m| segmented(ranges, geometry, noise_m);
     let methods: &[(&str, Labels)] = &[
-        ("default", |ranges, geometry, _, noise_m| segmented(ranges, geometry, noise_m)),
+        ("default", default),
+        ("default, servo seams", default),
         ("perfect pieces", |ranges, _, truth, _| pieces(ranges, truth, |_| true)),
         ("perfect edges, given back", |ranges, _, truth, _| edges(ranges, truth, true)),
         ("perfect edges", |ranges, _, truth, _| edges(ranges, truth, false)),
     ];
     println!("{:<26} {:<10} {:>5} {:>8} {:>8} {:>8} {:>8}", "", "set", "mm", "T = 0.8", "T = 0.9", "under", "noise");
     for (i, (name, labels)) in methods.iter().enumerate().filter(|(i, _)| all || *i == 0) {
+        let (segments, seams_deg) = (i < 2, if i == 1 { SEAMS_DEG } else { 0.0 });
         for (set, set_name) in [(Set::Tuning, "tuning"), (Set::Validation, "validation")] {
             // perfect answers do not depend on the noise
-            for noise_mm in [0.0, 5.0, 10.0].into_iter().take(if i == 0 { 3 } else { 1 }) {
-                let found = scenes(set, noise_mm / 1e3, *labels);
+            for noise_mm in [0.0, 5.0, 10.0].into_iter().take(if segments { 3 } else { 1 }) {
+                let sensor = Sensor {
+                    range_noise_m: noise_mm / 1e3,
+                    turn_misreported_deg: seams_deg,
+                    ..Sensor::nodding(200, 361)
+                };
+                let found = scenes(set, &sensor, *labels);
                 let sum =
                     |count: fn(&Hoover) -> usize, at: usize| found.iter().map(|f| count(&f[at])).sum::<usize>() as f64;
                 let truth = sum(|h| h.truth_regions, 0);
@@ -43,15 +55,14 @@ fn main() -> Result<(), Box<dyn error::Error>> {
 }
 
 /// The classes at T = 0.8 and 0.9 of every scene, two scenes at a time.
-fn scenes(set: Set, noise_m: f64, labels: Labels) -> Vec<[Hoover; 2]> {
+fn scenes(set: Set, sensor: &Sensor, labels: Labels) -> Vec<[Hoover; 2]> {
     let one = |scene| {
-        let sensor = Sensor { range_noise_m: noise_m, ..Sensor::nodding(200, 361) };
-        let scan = Scene::numbered(set, scene).scan(&sensor, 0).expect("a sensor that works");
+        let scan = Scene::numbered(set, scene).scan(sensor, 0).expect("a sensor that works");
         let (rows, columns, range_m) = (scan.rows, scan.columns, scan.range_m);
         let image = RangeImage { rows, columns, range_m }.to_grey(&scan.geometry).expect("ranges that fit");
         // as from the file
         let ranges = RangeImage::from_grey(&image, &scan.geometry).expect("an image that fits");
-        let found = labels(&ranges, &scan.geometry, &scan.truth, noise_m as f32);
+        let found = labels(&ranges, &scan.geometry, &scan.truth, sensor.range_noise_m as f32);
         classes(&scan.truth, &found)
     };
     let half = |from| (from..SCENES).step_by(2).map(one).collect::<Vec<_>>();
@@ -123,8 +134,8 @@ fn neighbours(ranges: &RangeImage, pixel: usize) -> impl Iterator<Item = usize> 
 fn recorded() -> Result<(), Box<dyn error::Error>> {
     let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
     let read = |folder: &str, image: &str, geometry: &str| -> Result<_, Box<dyn error::Error>> {
-        let geometry = Geometry::read(&data.join(folder).join(geometry))?;
-        let ranges = RangeImage::from_grey(&GreyImage::read(&data.join(folder).join(image))?, &geometry)?;
+        let geometry = Geometry::read(data.join(folder).join(geometry))?;
+        let ranges = RangeImage::from_grey(&GreyImage::read(data.join(folder).join(image))?, &geometry)?;
         let noise_m = geometry.range_noise_m.unwrap_or(0.01) as f32;
         Ok(segmented(&ranges, &geometry, noise_m))
     };
@@ -135,14 +146,14 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
             break;
         }
         let labels = read(corridor, &format!("{scan}.range_mm.pgm"), "geometry.toml")?;
-        let planes = GreyImage::read(&data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
+        let planes = GreyImage::read(data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
         let best = best_overlaps(&planes, &labels, 3000);
         let mean = best.iter().sum::<f64>() / best.len() as f64;
         println!("{corridor} {scan}: mean best overlap {mean:.3} of {best:.2?}");
     }
     if data.join(synpeb).is_dir() {
         let labels = read(synpeb, "test_100.range_100um.pgm", "test_100.geometry.toml")?;
-        let truth = GreyImage::read(&data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
+        let truth = GreyImage::read(data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
         let truth: Vec<u16> = truth.iter().map(|&id| if id < 10 { 0 } else { id }).collect();
         let [at, _] = classes(&truth, &labels);
         println!("{synpeb}: {} of {} correct at T = 0.8", at.correct, at.truth_regions);

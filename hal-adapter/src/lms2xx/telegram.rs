@@ -122,6 +122,8 @@ pub struct Decoder {
     announced: bool,
     /// Length of the good telegram at `first`, until the next `feed`.
     complete: usize,
+    /// Bytes held at which there is something to decide about the start byte at `first`: nothing with fewer.
+    decide_at: usize,
     format: Option<ScanFormat>,
 }
 
@@ -148,7 +150,7 @@ impl Decoder {
     /// A decoder that has seen nothing. `const`, so that it can be made in place in a static.
     #[must_use]
     pub const fn new() -> Self {
-        Self { buffer: [0; MAX_TELEGRAM], first: 0, end: 0, announced: false, complete: 0, format: None }
+        Self { buffer: [0; MAX_TELEGRAM], first: 0, end: 0, announced: false, complete: 0, decide_at: 0, format: None }
     }
 
     /// What every scan telegram must be from now on; others are rejected. `None` (as at first) takes any scan whose fields
@@ -163,6 +165,7 @@ impl Decoder {
         self.end = 0;
         self.announced = false;
         self.complete = 0;
+        self.decide_at = 0;
     }
 
     /// Takes bytes up to the next event. Call again with the rest of the input until [`Event::NeedMore`]: several telegrams
@@ -187,13 +190,16 @@ impl Decoder {
                     _ => continue,
                 }
             }
-            match self.examine() {
+            let held = self.end - self.first;
+            let verdict = if held < self.decide_at { Verdict::Need(self.decide_at - held) } else { self.examine() };
+            match verdict {
                 Verdict::NoTelegram => self.drop_start(),
                 _ if !self.announced => {
                     self.announced = true;
                     return Fed { used, event: Event::Start { bytes_ago: (self.held().len() - 1) as u16 } };
                 }
                 Verdict::Need(count) => {
+                    self.decide_at = held + count;
                     let taken = rest.get(..count).unwrap_or(rest);
                     if taken.is_empty() {
                         return Fed { used, event: Event::NeedMore };
@@ -314,6 +320,7 @@ impl Decoder {
 
     fn seek_start(&mut self) {
         self.announced = false;
+        self.decide_at = 0;
         match self.held().iter().position(|&byte| byte == START) {
             Some(at) => self.first += at,
             None => self.clear(),

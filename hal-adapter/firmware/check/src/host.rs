@@ -1,0 +1,124 @@
+//! The chain of the images, on this host.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use scanseg_core::{EdgeSegmenter, RegionSegmenter};
+use scanseg_firmware::figures::Timed;
+use scanseg_firmware::run::{CONFIG, LineClock, Ports, limits, run};
+use scanseg_hal::lms2xx::{Session, Settings};
+use scanseg_hal::rig::{Rig, RowSegmenter, beams};
+use scanseg_sim::segmentation::OwnedMemory;
+use scanseg_sim::virtual_rig::VirtualAs5048a;
+
+use crate::Result;
+use crate::scene::Recording;
+
+/// What went over the encoder's wires, transaction after transaction: to it, and from it.
+pub type Frames = VecDeque<([u8; 2], [u8; 2])>;
+
+/// What an image is to do with a stream.
+pub struct Expected {
+    pub link: Vec<u8>,
+    pub frames: Frames,
+}
+
+/// Which segmenter.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Approach {
+    Edge,
+    Region,
+}
+
+impl Approach {
+    pub fn name(self) -> &'static str {
+        match self {
+            Approach::Edge => "edge-based",
+            Approach::Region => "region-based",
+        }
+    }
+
+    /// Of the image's name.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Approach::Edge => "",
+            Approach::Region => "-region",
+        }
+    }
+}
+
+/// Runs the chain on all that the scanner sends.
+pub fn expected(
+    stream: &[u8],
+    settings: &Settings,
+    approach: Approach,
+    max_labels: Option<usize>,
+) -> Result<Expected> {
+    let columns = usize::from(settings.variant.columns());
+    let mut memory = OwnedMemory::new(columns, &CONFIG, max_labels);
+    let (beams, memory) = (beams(settings.variant), memory.memory());
+    match approach {
+        Approach::Edge => chain(stream, settings, EdgeSegmenter::new(CONFIG, beams, columns, memory)?),
+        Approach::Region => chain(stream, settings, RegionSegmenter::new(CONFIG, beams, columns, memory)?),
+    }
+}
+
+fn chain(stream: &[u8], settings: &Settings, segmenter: impl RowSegmenter) -> Result<Expected> {
+    let mut rows_m = vec![0.0; 2 * usize::from(settings.variant.columns())];
+    let mut rig = Rig::new(*settings, limits(settings), Timed(segmenter), &mut rows_m)?;
+    let mut session = Session::listening(*settings);
+    let clock = Rc::new(RefCell::new(LineClock::new(settings)));
+    let tilt_clock = clock.clone();
+    let sensor = VirtualAs5048a::new(move || Recording::tilt_turns(settings, tilt_clock.borrow().now_us()));
+    let mut link = Vec::new();
+    let mut frames = Frames::new();
+    let ports =
+        Ports { scanner: Clocked { stream, clock }, encoder: Spy { sensor, frames: &mut frames }, link: &mut link };
+    // runs until the stream ends
+    run(ports, settings, &mut session, &mut rig, || {});
+    Ok(Expected { link, frames })
+}
+
+/// A stream that moves a clock.
+struct Clocked<'a> {
+    stream: &'a [u8],
+    clock: Rc<RefCell<LineClock>>,
+}
+
+impl embedded_io::ErrorType for Clocked<'_> {
+    type Error = Infallible;
+}
+
+impl embedded_io::Read for Clocked<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::result::Result<usize, Infallible> {
+        let count = self.stream.read(bytes)?;
+        self.clock.borrow_mut().received(count as u32);
+        Ok(count)
+    }
+}
+
+/// Notes what goes over an SPI device's wires.
+struct Spy<'a, D> {
+    sensor: D,
+    frames: &'a mut Frames,
+}
+
+impl<D: SpiDevice> ErrorType for Spy<'_, D> {
+    type Error = D::Error;
+}
+
+impl<D: SpiDevice> SpiDevice for Spy<'_, D> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> std::result::Result<(), D::Error> {
+        let frame = |operations: &[Operation<'_, u8>]| match operations {
+            [Operation::TransferInPlace([high, low])] => [*high, *low],
+            _ => panic!("the driver sends frames of two bytes"),
+        };
+        let sent = frame(operations);
+        self.sensor.transaction(operations)?;
+        self.frames.push_back((sent, frame(operations)));
+        Ok(())
+    }
+}

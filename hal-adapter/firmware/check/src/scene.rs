@@ -1,0 +1,94 @@
+//! The scan that is sent: telegrams of the scanner, and where the tilt stands.
+
+use std::path::Path;
+
+use scanseg_firmware::run::{ASK_FOR_FIGURES, PIECE, ROW_RAD};
+use scanseg_hal::lms2xx::crc::check_word;
+use scanseg_hal::lms2xx::{SCAN, Settings};
+use scanseg_sim::format::{Angles, GreyImage, Kind};
+use scanseg_sim::office::{Scene, Sensor, Set};
+
+use crate::Result;
+
+/// Telegrams' times of silence before the scan, for the tilt to be sampled, and after it, for the scan to end.
+const LEAD: usize = 2;
+const TRAIL: usize = 8;
+/// Turn angle of the first row, radians.
+const FIRST_RAD: f32 = -48.70 / 180.0 * core::f32::consts::PI;
+
+/// Rows of value words as the scanner sends them, 0.5 degree apart; their codes for "no return" still in.
+pub struct Recording {
+    pub name: &'static str,
+    rows: Vec<Vec<u16>>,
+}
+
+impl Recording {
+    /// The recorded corridor, or where it is absent a simulated office.
+    pub fn load() -> Result<Self> {
+        let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data/tilting-sick-corridor"));
+        if !data.exists() {
+            println!("skipped: the recorded corridor (no {}); a simulated office instead", data.display());
+            return Self::office();
+        }
+        let image = GreyImage::read(data.join("scan000.range_mm.pgm"))?;
+        let rows = image.values.chunks(image.columns).map(<[u16]>::to_vec).collect();
+        Ok(Self { name: "recorded corridor", rows })
+    }
+
+    fn office() -> Result<Self> {
+        let mut sensor = Sensor::nodding(226, 361);
+        sensor.range_noise_m = 0.001;
+        if let Kind::Nodding { turn_deg, .. } = &mut sensor.kind {
+            let degrees = |rad: f32| f64::from(rad).to_degrees();
+            *turn_deg = Angles::Even { start: degrees(FIRST_RAD), step: degrees(ROW_RAD) };
+        }
+        let scan = Scene::numbered(Set::Tuning, 0).scan(&sensor, 1)?;
+        let words = scan.range_m.iter().map(|range_m| match (range_m * 1000.0).round() as u16 {
+            0 => 0x7FFF,
+            range_mm => range_mm,
+        });
+        let words: Vec<u16> = words.collect();
+        Ok(Self { name: "simulated office", rows: words.chunks(361).map(<[u16]>::to_vec).collect() })
+    }
+
+    pub fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// All that the scanner sends, for the variant set up: silence, the scan, silence, the request for the figures.
+    pub fn stream(&self, settings: &Settings) -> Vec<u8> {
+        let columns = usize::from(settings.variant.columns());
+        let every = 360 / (columns - 1);
+        let silence = vec![0; 2 * columns + 10];
+        let mut stream = silence.repeat(LEAD);
+        for row in &self.rows {
+            let mut row: Vec<u16> = row.iter().step_by(every).copied().collect();
+            // the recording lacks the last column
+            row.resize(columns, 0x7FFF);
+            stream.extend(telegram(&row));
+        }
+        stream.extend(silence.repeat(TRAIL));
+        stream.resize(stream.len().next_multiple_of(PIECE), 0);
+        stream.extend(ASK_FOR_FIGURES);
+        stream
+    }
+
+    /// Turns of the tilt at a time by the clock of the images.
+    pub fn tilt_turns(settings: &Settings, time_us: u64) -> f64 {
+        let rows = time_us as f64 / f64::from(settings.period_us()) - LEAD as f64;
+        (f64::from(FIRST_RAD) + rows * f64::from(ROW_RAD)) / std::f64::consts::TAU
+    }
+}
+
+/// The telegram of a complete scan in millimetres, by a scanner without complaints.
+fn telegram(words: &[u16]) -> Vec<u8> {
+    let mut bytes = vec![0x02, 0x80];
+    bytes.extend((2 * words.len() as u16 + 4).to_le_bytes());
+    bytes.push(SCAN);
+    bytes.extend((0x4000 | words.len() as u16).to_le_bytes());
+    bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+    bytes.push(0x10);
+    let check = check_word(&bytes);
+    bytes.extend(check.to_le_bytes());
+    bytes
+}

@@ -1,0 +1,180 @@
+//! Single-precision addition, multiplication and comparison for a Cortex-M0: bit for bit what IEEE 754 says, in fewer
+//! instructions than the routines that come with the compiler.
+//!
+//! The M0 has no floating point and no multiplication with 64 bits of result, and most instructions of a segmentation go into
+//! these few routines. The compiler's multiply by way of 64-bit integers. Here the usual case, two normal numbers and a
+//! normal result, is done in 32 bits; zeros are looked after, and everything rarer is left to the compiler's routine.
+//!
+//! `use m0_float as _;` in a program puts them in place: the linker prefers them to the compiler's.
+#![cfg_attr(not(test), no_std)]
+
+#[cfg(target_os = "none")]
+mod replace;
+
+const SIGN: u32 = 1 << 31;
+const IMPLICIT: u32 = 1 << 23;
+const FRACTION: u32 = IMPLICIT - 1;
+const INFINITY: u32 = 0xFF << 23;
+
+/// The product of two numbers, as bits; `None` where something is infinite, not a number or subnormal.
+#[inline(always)]
+#[must_use]
+pub fn multiply(a: u32, b: u32) -> Option<u32> {
+    let (a_exponent, b_exponent) = (a << 1 >> 24, b << 1 >> 24);
+    let exponent = a_exponent + b_exponent;
+    // biased by 127; 1 more if the product of the significands is 2 or more
+    if is_special(a_exponent) || is_special(b_exponent) || !(128..=380).contains(&exponent) {
+        let zero = (a << 1 == 0 && b_exponent < 255) || (b << 1 == 0 && a_exponent < 255);
+        return zero.then_some((a ^ b) & SIGN);
+    }
+    // sign and exponent, below which the significand is added
+    let upper = ((a ^ b) & SIGN) | ((exponent - 128) << 23);
+    // 24 x 24 bits by halves: high * 2^24 + low, with low below 2^24
+    let (a_high, a_low) = ((a << 8 | SIGN) >> 20, a << 20 >> 20);
+    let (b_high, b_low) = ((b << 8 | SIGN) >> 20, b << 20 >> 20);
+    let middle = a_high * b_low + a_low * b_high;
+    let low = (middle << 20 >> 8) + a_low * b_low;
+    let high = a_high * b_high + (middle >> 12) + (low >> 24);
+    // 24 bits of significand, and the rest moved to the upper end of a word
+    let rest = low << 8;
+    Some(if high >= IMPLICIT {
+        round(upper + IMPLICIT + high, rest)
+    } else {
+        round(upper + (high << 1 | rest >> 31), rest << 1)
+    })
+}
+
+/// 0 and 255: zeros and subnormal numbers; infinities and what is not a number.
+#[inline(always)]
+fn is_special(exponent: u32) -> bool {
+    (exponent + 1) & 0xFE == 0
+}
+
+/// The sum of two numbers, as bits; `None` where something is infinite, not a number or subnormal, or both are zero.
+#[inline(always)]
+#[must_use]
+pub fn add(a: u32, b: u32) -> Option<u32> {
+    let (large, small) = if a << 1 >= b << 1 { (a, b) } else { (b, a) };
+    let (mut exponent, small_exponent) = (large << 1 >> 24, small << 1 >> 24);
+    if exponent.wrapping_sub(1) >= 254 {
+        return None;
+    }
+    if small_exponent == 0 {
+        return (small << 1 == 0).then_some(large);
+    }
+    let shift = exponent - small_exponent;
+    // a bit of room above, seven bits below
+    let (mut sum, other) = ((large & FRACTION | IMPLICIT) << 7, (small & FRACTION | IMPLICIT) << 7);
+    let other = match shift {
+        0 => other,
+        // what is lost must not be forgotten
+        1..32 => other >> shift | u32::from(other << (32 - shift) != 0),
+        _ => 1,
+    };
+    if (large ^ small) & SIGN == 0 {
+        sum += other;
+        if sum & SIGN != 0 {
+            sum = sum >> 1 | sum & 1;
+            exponent += 1;
+            if exponent == 255 {
+                return None;
+            }
+        }
+    } else {
+        sum -= other;
+        if sum == 0 {
+            return Some(0);
+        }
+        // one place in most cases
+        while sum & SIGN >> 1 == 0 {
+            sum <<= 1;
+            exponent = exponent.wrapping_sub(1);
+        }
+        if exponent.wrapping_sub(1) >= 254 {
+            return None;
+        }
+    }
+    Some(round((large & SIGN | ((exponent - 1) << 23)) + (sum >> 7), sum << 25))
+}
+
+/// Rounds a number, as bits, by `rest`, a binary fraction of its last bit. Carries into the exponent, up to infinity, as it
+/// must.
+#[inline(always)]
+fn round(number: u32, rest: u32) -> u32 {
+    // to the nearest, ties to the even one
+    let (_, up) = rest.overflowing_add((SIGN - 1) + (number & 1));
+    number + u32::from(up)
+}
+
+/// How two numbers compare.
+#[inline(always)]
+#[must_use]
+pub fn less(a: u32, b: u32) -> bool {
+    ordered(a, b) && order(a) < order(b)
+}
+
+/// Equal or less.
+#[inline(always)]
+#[must_use]
+pub fn at_most(a: u32, b: u32) -> bool {
+    ordered(a, b) && order(a) <= order(b)
+}
+
+#[inline(always)]
+fn ordered(a: u32, b: u32) -> bool {
+    a & !SIGN <= INFINITY && b & !SIGN <= INFINITY
+}
+
+/// Integers in the order of the numbers; both zeros are 0.
+#[inline(always)]
+fn order(a: u32) -> i32 {
+    let magnitude = (a & !SIGN) as i32;
+    if a & SIGN == 0 { magnitude } else { -magnitude }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers with few bits, at all exponents, next to each other, and any.
+    fn numbers() -> impl FnMut() -> u32 {
+        let mut state = 1u64;
+        let mut last = 0;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let random = (state >> 32) as u32;
+            last = match random % 8 {
+                0 => random & 0xFFF0_0000,
+                1 => last ^ (random & 0x8000_000F),
+                2 => {
+                    [0, SIGN, 1, IMPLICIT, FRACTION, INFINITY, INFINITY | 1, SIGN | INFINITY][random as usize >> 8 & 7]
+                }
+                3 => last.wrapping_add(random >> 3 & 0x0300_0001),
+                // exponents of lengths and angles
+                4..=6 => random & 0x87FF_FFFF | 0x3800_0000,
+                _ => random,
+            };
+            last
+        }
+    }
+
+    #[test]
+    fn as_the_processor_of_this_host() {
+        let mut number = numbers();
+        let (mut products, mut sums) = (0, 0);
+        for _ in 0..10_000_000 {
+            let (a, b) = (number(), number());
+            let (x, y) = (f32::from_bits(a), f32::from_bits(b));
+            if let Some(product) = multiply(a, b) {
+                assert_eq!(product, (x * y).to_bits(), "{x:e} * {y:e}");
+                products += 1;
+            }
+            if let Some(sum) = add(a, b) {
+                assert_eq!(sum, (x + y).to_bits(), "{x:e} + {y:e}");
+                sums += 1;
+            }
+            assert_eq!((less(a, b), at_most(a, b)), (x < y, x <= y), "{x:e} against {y:e}");
+        }
+        assert!(products > 6_000_000 && sums > 6_000_000, "{products} products and {sums} sums");
+    }
+}

@@ -1,0 +1,142 @@
+//! The timer of the machine, and the figures that are sent.
+
+use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
+
+use embedded_io::Write;
+
+use super::{COUNT, EMPTY_WAITS, IN_SEGMENTER, MAGIC, add};
+use crate::register::Register;
+
+static WAITS: AtomicU32 = AtomicU32::new(0);
+static TICKS: AtomicU32 = AtomicU32::new(0);
+static EMPTY_TICKS: AtomicU32 = AtomicU32::new(0);
+
+/// Timer 0 of the MPS2 boards: 25 MHz, counts down from 2^32 - 1.
+#[cfg(machine = "mps2")]
+mod machine {
+    use super::Register;
+
+    // SAFETY: these are registers of the CMSDK timer 0 on the boards AN386 and AN500.
+    const CONTROL: Register = unsafe { Register::at(0x4000_0000) };
+    // SAFETY: as above.
+    const VALUE: Register = unsafe { Register::at(0x4000_0004) };
+    // SAFETY: as above.
+    const RELOAD: Register = unsafe { Register::at(0x4000_0008) };
+
+    pub fn set_up() {
+        RELOAD.write(u32::MAX);
+        VALUE.write(u32::MAX);
+    }
+
+    pub fn start() {
+        CONTROL.write(1);
+    }
+
+    /// Ticks since the start; those before it are in the timer still.
+    pub fn since_start() -> u32 {
+        u32::MAX - VALUE.read()
+    }
+
+    /// Gives the ticks that the timer will not keep.
+    pub fn stop() -> u32 {
+        CONTROL.write(0);
+        0
+    }
+}
+
+/// TIMER0 of the nRF51: 16 MHz. QEMU's loses count when it is stopped and started again, so it runs on, and is cleared at each
+/// start.
+#[cfg(machine = "microbit")]
+mod machine {
+    use super::Register;
+
+    const fn register(offset: usize) -> Register {
+        // SAFETY: used for offsets of the nRF51's TIMER0 only.
+        unsafe { Register::at(0x4000_8000 + offset) }
+    }
+    const START: Register = register(0x000);
+    const CLEAR: Register = register(0x00C);
+    const CAPTURE_0: Register = register(0x040);
+    const BIT_MODE: Register = register(0x508);
+    const PRESCALER: Register = register(0x510);
+    const CAPTURED_0: Register = register(0x540);
+
+    pub fn set_up() {
+        BIT_MODE.write(3); // 32 bits
+        PRESCALER.write(0);
+        START.write(1);
+    }
+
+    pub fn start() {
+        CLEAR.write(1);
+    }
+
+    pub fn since_start() -> u32 {
+        CAPTURE_0.write(1);
+        CAPTURED_0.read()
+    }
+
+    pub fn stop() -> u32 {
+        since_start()
+    }
+}
+
+/// Starts the timer.
+pub fn begin() {
+    machine::set_up();
+    machine::start();
+    for _ in 0..EMPTY_WAITS {
+        pause();
+        resume();
+    }
+    let empty = now();
+    EMPTY_TICKS.store(empty, Relaxed);
+    WAITS.store(0, Relaxed);
+}
+
+/// Stops the timer: a wait begins.
+#[inline(always)]
+pub fn pause() {
+    let ticks = machine::stop();
+    add(&TICKS, ticks);
+    add(&WAITS, 1);
+}
+
+/// The wait is over.
+#[inline(always)]
+pub fn resume() {
+    machine::start();
+}
+
+/// Ticks so far.
+#[inline(always)]
+pub fn now() -> u32 {
+    TICKS.load(Relaxed).wrapping_add(machine::since_start())
+}
+
+/// Sends the record, see [`COUNT`].
+pub fn send(mut link: impl Write) {
+    let ticks = now() - EMPTY_TICKS.load(Relaxed);
+    let (used, there_are) = stack();
+    let words: [u32; COUNT] =
+        [ticks, IN_SEGMENTER.load(Relaxed), WAITS.load(Relaxed), EMPTY_TICKS.load(Relaxed), used, there_are];
+    for word in [MAGIC].into_iter().chain(words) {
+        let _ = link.write_all(&word.to_le_bytes());
+    }
+}
+
+/// Bytes of stack that have ever been written, and bytes there are. cortex-m-rt has painted them before the program began.
+fn stack() -> (u32, u32) {
+    unsafe extern "C" {
+        static _stack_end: u32;
+        static _stack_start: u32;
+    }
+    let (low, high) = (&raw const _stack_end, &raw const _stack_start);
+    let mut untouched = low;
+    // SAFETY: words of RAM between the two symbols of the linker script; the ones read here lie below all that is in use.
+    while untouched < high && unsafe { untouched.read_volatile() } == cortex_m_rt::STACK_PAINT_VALUE {
+        untouched = untouched.wrapping_add(1);
+    }
+    ((high as usize - untouched as usize) as u32, (high as usize - low as usize) as u32)
+}

@@ -1,0 +1,23 @@
+//! A register of a peripheral.
+
+/// A 32-bit register at a fixed address.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Register(*mut u32);
+
+impl Register {
+    /// # Safety
+    /// There is a register at `address` on every machine that runs this, and reading or writing it does nothing to memory.
+    pub const unsafe fn at(address: usize) -> Self {
+        Self(address as *mut u32)
+    }
+
+    pub fn read(&self) -> u32 {
+        // SAFETY: `at` was promised a register.
+        unsafe { self.0.read_volatile() }
+    }
+
+    pub fn write(&self, value: u32) {
+        // SAFETY: `at` was promised a register.
+        unsafe { self.0.write_volatile(value) }
+    }
+}

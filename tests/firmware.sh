@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Builds the images for the microcontrollers, runs them in QEMU with a recorded scan on their serial ports, compares what
+# they send with the same chain on this host, byte for byte, and prints what they cost. Fails where anything differs, passes
+# a ceiling, or can panic where it could not before.
+# Takes the targets from rustup; where that has none, Debian's rustc-web and rust-web-src.
+set -euo pipefail
+cd "$(dirname "$0")/../hal-adapter/firmware"
+install() { # Debian packages, where there is apt-get and the right to use it
+    command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] && { apt-get update && apt-get install -y "$@"; } >/dev/null 2>&1
+}
+
+build=(cargo build)
+if rustup target add thumbv6m-none-eabi thumbv7em-none-eabihf >/dev/null 2>&1; then
+    cargo clippy --quiet --workspace --exclude scanseg-firmware --all-targets -- -D warnings
+    for features in "" figures defmt; do
+        cargo clippy --quiet --bin mps2 --features "$features" --target thumbv7em-none-eabihf -- -D warnings
+        cargo clippy --quiet --bin microbit --features "$features" --target thumbv6m-none-eabi -- -D warnings
+    done
+elif install rustc-web cargo-web rust-web-src lld; then
+    build=(env RUSTC_BOOTSTRAP=1 RUSTC=/usr/bin/rustc CARGO_TARGET_THUMBV6M_NONE_EABI_LINKER=ld.lld
+        CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER=ld.lld /usr/bin/cargo build -Zbuild-std=core)
+else
+    echo "no bare-metal targets: neither rustup nor Debian's packages gave them"
+    exit 1
+fi
+cargo test --quiet --release -p m0-float
+
+target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+images=$(mktemp -d)
+trap 'rm -rf "$images"' EXIT
+image() { # name target features file
+    "${build[@]}" --quiet --release --bin "$1" --target "$2" --features "$3"
+    cp "$target/$2/release/$1" "$images/$4"
+}
+for features in defmt figures ""; do
+    image mps2 thumbv7em-none-eabihf "$features" "mps2${features:+-$features}"
+    image microbit thumbv6m-none-eabi "$features" "microbit${features:+-$features}"
+done
+echo "images build, with a log over a probe (defmt) as well"
+
+for image in mps2 microbit; do
+    calls=$(nm -C "$images/$image" | awk '$3 ~ /^core::panicking::/ {print $3}' | sort -u | tr '\n' ' ')
+    echo "$image: ${calls:+can panic by $calls}${calls:-no panic is left in the image}"
+done
+
+if ! command -v qemu-system-arm >/dev/null && ! install qemu-system-arm; then
+    echo "skipped: running the images (qemu-system-arm could not be installed)"
+    exit 0
+fi
+qemu-system-arm --version | head -n 1
+cargo run --quiet -p firmware-check -- "$images"
