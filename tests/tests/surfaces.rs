@@ -9,6 +9,7 @@ use scanseg_core::{Config, Finished, Pixel, PlaneSegmenter, PushError, Segment, 
 use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_tests::art::{Picture, canonical};
 use scanseg_tests::reference::labels::Class;
+use scanseg_tests::reference::planes::fit_plane;
 use scanseg_tests::reference::surfaces::surfaces;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter, class};
 use std::collections::BTreeMap;
@@ -250,20 +251,25 @@ fn agreement(one: &[u32], other: &[u32]) -> f64 {
     share(one, other).min(share(other, one))
 }
 
+/// A simulated office at 1 deg.
+fn office(scene: u32, noise_m: f64) -> (Scan, Config<'static>) {
+    let (rows, columns) = (100, 181);
+    let sensor = Sensor { range_noise_m: noise_m, ..Sensor::nodding(rows, columns) };
+    let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
+    let angles = Angles::Even { start_rad: (-90f32).to_radians(), step_rad: 1f32.to_radians() };
+    let turn_rad = (0..rows).map(|row| (50.0 - row as f32).to_radians()).collect();
+    let scan = Scan { columns, range_m, turn_rad, rig: Rig::Nodding { angles, axis: TurnAxis::Y } };
+    (scan, Config { range_noise_m: noise_m.max(0.001) as f32, ..Config::paper() })
+}
+
 /// Simulated offices, each with some decisions in doubt: the labels are those of the reference but for few pixels.
 #[test]
 fn offices_as_in_the_reference() {
-    let (rows, columns) = (100, 181);
     let mut all = Vec::new();
     for noise_m in [0.0, 0.005, 0.01] {
         for scene in 0..4 {
-            let sensor = Sensor { range_noise_m: noise_m, ..Sensor::nodding(rows, columns) };
-            let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
-            let angles = Angles::Even { start_rad: (-90f32).to_radians(), step_rad: 1f32.to_radians() };
-            let turn_rad = (0..rows).map(|row| (50.0 - row as f32).to_radians()).collect();
-            let scan = Scan { columns, range_m, turn_rad, rig: Rig::Nodding { angles, axis: TurnAxis::Y } };
-            let config = Config { range_noise_m: noise_m.max(0.001) as f32, ..Config::paper() };
-            let room = live_labels(columns);
+            let (scan, config) = office(scene, noise_m);
+            let room = live_labels(scan.columns);
             let expected = surfaces(&scan.image(&config), &scan.reference_beams(), config.range_noise_m.into(), room);
             let labels = scan.record_planes(&config, room).labels();
             let agreement = agreement(&labels, &expected.labels);
@@ -275,4 +281,47 @@ fn offices_as_in_the_reference() {
     let least = all.iter().copied().fold(1.0, f64::min);
     println!("mean {mean:.4}, least {least:.4}");
     assert!(mean > 0.995 && least > 0.99);
+}
+
+/// An office in a mirror has the same surfaces, but for pixels at their rims: which line of a row comes first, and which of
+/// two equal planes, depends on the side. Scaling an office does not scale its surfaces, since the noise is in metres.
+#[test]
+fn mirrored_offices() {
+    for (scene, noise_m) in [(0, 0.0), (1, 0.005), (2, 0.01), (5, 0.005)] {
+        let (scan, config) = office(scene, noise_m);
+        let mirror = |pixels: &[f32]| pixels.chunks(scan.columns).flat_map(|row| row.iter().rev().copied()).collect();
+        let mirrored = Scan { range_m: mirror(&scan.range_m), ..scan.clone() };
+        let room = live_labels(scan.columns);
+        let labels = scan.record_planes(&config, room).labels();
+        let back = mirrored.record_planes(&config, room).labels();
+        let back: Vec<u32> = back.chunks(scan.columns).flat_map(|row| row.iter().rev().copied()).collect();
+        let agreement = agreement(&labels, &back);
+        println!("scene {scene}, {noise_m} m: {agreement:.4} as in the mirror");
+        assert!(agreement > 0.99, "{agreement}");
+    }
+}
+
+/// The planes of an office's large segments are those of their points, in f64.
+#[test]
+fn planes_of_an_office() {
+    let (scan, config) = office(3, 0.005);
+    let record = scan.record_planes(&config, live_labels(scan.columns));
+    let (labels, beams) = (record.labels(), scan.reference_beams());
+    let mut compared = 0;
+    for (label, segment) in record.segments().into_iter().filter(|(_, segment)| segment.pixels() >= 100) {
+        let of_segment =
+            scan.size().pixels().zip(&labels).zip(&scan.range_m).filter(|((_, other), _)| **other == label);
+        let points: Vec<_> = of_segment.map(|((p, _), &range_m)| beams.direction(p) * f64::from(range_m)).collect();
+        if points.is_empty() {
+            // joined into another one since
+            continue;
+        }
+        let (found, expected) = (segment.plane().unwrap(), fit_plane(&points).unwrap());
+        let dot: f64 = found.normal.iter().zip(&expected.normal).map(|(&a, b)| f64::from(a) * b).sum();
+        assert!(dot > 1.0 - 1e-5, "{found:?} {expected:?}");
+        assert!((f64::from(found.distance_m) - expected.distance_m).abs() < 2e-3, "{found:?} {expected:?}");
+        assert!((f64::from(found.rms_m) - expected.rms_m).abs() < 2e-4, "{found:?} {expected:?}");
+        compared += 1;
+    }
+    assert!(compared > 10, "{compared}");
 }
