@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# The library for C and C++: built, linked, run, and compared with the command. See core/capi.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+capi=$root/core/capi
+out=$root/target/c-library
+lib=$out/lib
+rm -rf "$out/run"
+mkdir -p "$out/run"
+cd "$out/run"
+
+have() { command -v "$1" >/dev/null; }
+quiet() { # runs a command, shows what it says if it fails
+    "$@" >log 2>&1 || { cat log; echo "failed: $*"; exit 1; }
+}
+
+"$capi/build.sh" "$lib"
+
+# nothing but our names goes out, and nothing but C's comes in
+names=$(nm -g --defined-only "$lib/libscanseg.a" | awk 'NF == 3 { print $3 }')
+others=$(grep -v '^scanseg_' <<<"$names" || true)
+[ -n "$names" ] && [ -z "$others" ] || { echo "exported: $others"; exit 1; }
+wanted=$(nm -u "$lib/libscanseg.a" | awk '$1 == "U" { print $2 }' | sort | tr '\n' ' ')
+[ "$wanted" = "abort memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
+echo "exported: $(wc -l <<<"$names") functions scanseg_*; wanted from C: $wanted"
+
+c="-std=c99 -g -O1 -Wall -Wextra -pedantic -Werror"
+cxx="-std=c++17 -g -O1 -Wall -Wextra -pedantic -Werror -fno-exceptions -fno-rtti"
+built=0
+for cc in gcc clang; do
+    have $cc && have ${cc/gcc/g}++ || { echo "skipped: $cc is not here"; continue; }
+    for kind in "" -asan; do
+        [ -z "$kind" ] && sanitize="" || sanitize="-fsanitize=address,undefined -fno-sanitize-recover=all"
+        # shellcheck disable=SC2086
+        {
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/tests/smoke.c" "$lib/libscanseg.a" -o smoke-$cc$kind
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/segment_pgm.c" "$lib/libscanseg.a" -lm \
+                -o segment_pgm-$cc$kind
+        }
+        quiet "./smoke-$cc$kind"
+    done
+    built=$((built + 1))
+    echo "$cc: built without warnings; runs, also with AddressSanitizer"
+done
+[ $built -gt 0 ] || { echo "skipped: no C compiler"; exit 0; }
+
+if have valgrind; then
+    for program in smoke-gcc smoke-clang; do
+        [ -x $program ] || continue
+        quiet valgrind --error-exitcode=9 --leak-check=full ./$program
+    done
+    echo "valgrind: no errors"
+else
+    echo "skipped: valgrind is not here"
+fi
+
+# The labels of the C example are those of the command.
+scan=$root/../shared/data/tilting-sick-corridor/scan000.range_mm.pgm
+geometry=$root/../shared/data/tilting-sick-corridor/geometry.toml
+if [ ! -f "$scan" ]; then
+    echo "skipped: ../shared/data is not here; a simulated office in its place"
+    (cd "$root" && cargo run --release --quiet -- office --scene 0 --noise-m 0.005 --out "$out/run/office" >/dev/null)
+    scan=$out/run/office/tuning-00.pgm
+    geometry=$out/run/office/geometry.toml
+fi
+number() { sed -n "s/^$1 = \([-0-9.e]*\).*/\1/p" "$geometry"; }
+angle() { sed -n "s/^$1 = {.*$2 = \([-0-9.e]*\).*/\1/p" "$geometry"; }
+settings="unit_m=$(number unit_m) beam_start_deg=$(angle beam_deg start) beam_step_deg=$(angle beam_deg step)
+    turn_start_deg=$(angle turn_deg start) turn_step_deg=$(angle turn_deg step)"
+for limit in range_noise_m min_range_m max_range_m; do
+    value=$(number $limit)
+    settings="$settings ${value:+$limit=$value}"
+done
+for count in $(sed -n 's/^no_return = \[\(.*\)\].*/\1/p' "$geometry" | tr , ' '); do
+    settings="$settings no_return=$count"
+done
+approach=0
+for name in plane edge region; do
+    (cd "$root" && cargo run --release --quiet -- segment "$scan" --geometry "$geometry" --approach $name \
+        --out "$out/run/$name" >/dev/null)
+    for program in segment_pgm-*; do
+        # shellcheck disable=SC2086
+        quiet "./$program" "$scan" "$name.pgm" $settings approach=$approach
+        same=$(cd "$root" && cargo run --quiet -p scanseg-tests --example same_labels -- "$out/run/$name/labels.png" \
+            "$out/run/$name.pgm") || { echo "$program, $name: $same"; exit 1; }
+    done
+    if have valgrind; then
+        # shellcheck disable=SC2086
+        quiet valgrind --error-exitcode=9 --leak-check=full "./$(ls segment_pgm-* | grep -v asan | head -1)" "$scan" \
+            "$name.pgm" $settings approach=$approach
+    fi
+    echo "labels of the C example and of the command, $name: $same"
+    approach=$((approach + 1))
+done
