@@ -41,27 +41,6 @@
 
 
 /**
- * Version of this header: first number.
- */
-#define SCANSEG_VERSION_MAJOR 0
-
-/**
- * Version of this header: second number.
- */
-#define SCANSEG_VERSION_MINOR 1
-
-/**
- * Version of this header: third number.
- */
-#define SCANSEG_VERSION_PATCH 0
-
-/**
- * Counts the incompatible changes of structs and functions. `scanseg_config_init` and `scanseg_init` compare it with the
- * library's.
- */
-#define SCANSEG_ABI_VERSION 1
-
-/**
  * `approach`: planes that go on from row to row. The default, and right at the noise of real scanners.
  */
 #define SCANSEG_PLANE 0
@@ -151,6 +130,27 @@
 #define SCANSEG_STATE_ALIGN 8
 
 /**
+ * Version of this header: first number.
+ */
+#define SCANSEG_VERSION_MAJOR 0
+
+/**
+ * Version of this header: second number.
+ */
+#define SCANSEG_VERSION_MINOR 1
+
+/**
+ * Version of this header: third number.
+ */
+#define SCANSEG_VERSION_PATCH 0
+
+/**
+ * Counts the incompatible changes of structs and functions. `scanseg_config_init` and `scanseg_init` compare it with the
+ * library's.
+ */
+#define SCANSEG_ABI_VERSION 1
+
+/**
  * A segmenter, in memory of yours.
  */
 typedef struct scanseg_segmenter scanseg_segmenter;
@@ -164,7 +164,7 @@ typedef int32_t scanseg_status;
 /**
  * A direction through the image: from a pixel back to the previous one on the trace.
  */
-typedef struct {
+typedef struct scanseg_trace {
     /**
      * The previous pixel is so many rows earlier, 0 to 16.
      */
@@ -179,7 +179,7 @@ typedef struct {
  * The configuration of a segmenter. `scanseg_config_init` sets it to the defaults; then at least `columns` and `beams` are
  * to be set, and what the beams need. It is copied: nothing of it need stay after `scanseg_init`.
  */
-typedef struct {
+typedef struct scanseg_config {
     /**
      * `sizeof(scanseg_config)`.
      */
@@ -280,13 +280,13 @@ typedef struct {
     /**
      * Edge: the traces whose edges are combined; default: along rows and along columns, between neighbours.
      */
-    scanseg_trace traces[SCANSEG_MAX_TRACES];
+    struct scanseg_trace traces[SCANSEG_MAX_TRACES];
 } scanseg_config;
 
 /**
  * Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set, the rest is 0.
  */
-typedef struct {
+typedef struct scanseg_event {
     /**
      * `SCANSEG_JOIN` or `SCANSEG_SEGMENT`.
      */
@@ -333,13 +333,13 @@ typedef struct {
  * Called with each event while a call runs: `user` is that of the output, the event lives for the call. Answer 0 to go on,
  * anything else to drop the scan. It must return (no exception, no longjmp), and must not use the segmenter.
  */
-typedef int32_t (*scanseg_on_event)(void *user, const scanseg_event *event);
+typedef int32_t (*scanseg_on_event)(void *user, const struct scanseg_event *event);
 
 /**
  * Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set what you want, and use it
  * for all calls. Everything may be left out: without labels and events only the callback is told, and so on.
  */
-typedef struct {
+typedef struct scanseg_output {
     /**
      * `sizeof(scanseg_output)`.
      */
@@ -361,7 +361,7 @@ typedef struct {
     /**
      * For the events, in their order. NULL: no events.
      */
-    scanseg_event *events;
+    struct scanseg_event *events;
     /**
      * Elements of `events`; `SCANSEG_MAX_EVENTS(columns)` always suffice.
      */
@@ -399,7 +399,7 @@ typedef struct {
 /**
  * The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
  */
-typedef struct {
+typedef struct scanseg_plane {
     /**
      * Mean of the points, metres.
      */
@@ -536,12 +536,12 @@ const char *scanseg_strerror(scanseg_status status);
  *
  * @return `SCANSEG_OK`, or an error if the header is of another version than the library.
  */
-scanseg_status scanseg_config_init(scanseg_config *config, uint32_t struct_size, uint32_t abi_version);
+scanseg_status scanseg_config_init(struct scanseg_config *config, uint32_t struct_size, uint32_t abi_version);
 
 /**
  * Name of the first field of a configuration that cannot be used; NULL if there is none, or no configuration.
  */
-const char *scanseg_bad_field(const scanseg_config *config);
+const char *scanseg_bad_field(const struct scanseg_config *config);
 
 /**
  * Bytes that a segmenter of this configuration needs: at most `SCANSEG_STATE_SIZE(columns)`, or what
@@ -550,7 +550,7 @@ const char *scanseg_bad_field(const scanseg_config *config);
  * @param size is set to the bytes; to 0 if there is an error.
  * @return `SCANSEG_OK`, or what is wrong with the configuration.
  */
-scanseg_status scanseg_state_size(const scanseg_config *config, size_t *size);
+scanseg_status scanseg_state_size(const struct scanseg_config *config, size_t *size);
 
 /**
  * `SCANSEG_STATE_ALIGN` of the library.
@@ -567,8 +567,8 @@ size_t scanseg_state_align(void);
  */
 scanseg_status scanseg_init(void *memory,
                             size_t size,
-                            const scanseg_config *config,
-                            scanseg_segmenter **segmenter);
+                            const struct scanseg_config *config,
+                            struct scanseg_segmenter **segmenter);
 
 /**
  * Takes the next row. Work is linear in the columns.
@@ -581,11 +581,11 @@ scanseg_status scanseg_init(void *memory,
  *        one), and the joins and segments that it brings. After an error it is as it was.
  * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the row was not taken.
  */
-scanseg_status scanseg_push_row(scanseg_segmenter *segmenter,
+scanseg_status scanseg_push_row(struct scanseg_segmenter *segmenter,
                                 const float *ranges_m,
                                 size_t columns,
                                 float turn_rad,
-                                scanseg_output *output);
+                                struct scanseg_output *output);
 
 /**
  * Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to `SCANSEG_LATENCY_ROWS` rows) and
@@ -593,12 +593,12 @@ scanseg_status scanseg_push_row(scanseg_segmenter *segmenter,
  *
  * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes on.
  */
-scanseg_status scanseg_finish(scanseg_segmenter *segmenter, scanseg_output *output);
+scanseg_status scanseg_finish(struct scanseg_segmenter *segmenter, struct scanseg_output *output);
 
 /**
  * Drops what was pushed, if anything: the next row is the first of a new scan.
  */
-scanseg_status scanseg_reset(scanseg_segmenter *segmenter);
+scanseg_status scanseg_reset(struct scanseg_segmenter *segmenter);
 
 /**
  * The plane of a segment. Some 2000 operations in double precision: ask for the segments that matter.
@@ -607,7 +607,7 @@ scanseg_status scanseg_reset(scanseg_segmenter *segmenter);
  * @param plane is set to the plane, unless there is none or an error.
  * @return `SCANSEG_OK`, `SCANSEG_NO_PLANE` or an error.
  */
-scanseg_status scanseg_fit_plane(const scanseg_event *segment, scanseg_plane *plane);
+scanseg_status scanseg_fit_plane(const struct scanseg_event *segment, struct scanseg_plane *plane);
 
 #ifdef __cplusplus
 }  // extern "C"
