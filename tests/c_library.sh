@@ -12,7 +12,7 @@ cd "$out/run"
 
 have() { command -v "$1" >/dev/null; }
 quiet() { # runs a command, shows what it says if it fails
-    "$@" >log 2>&1 || { cat log; echo "failed: $*"; exit 1; }
+    "$@" >"$out/run/log" 2>&1 || { cat "$out/run/log"; echo "failed: $*"; exit 1; }
 }
 
 "$capi/build.sh" "$lib"
@@ -37,8 +37,14 @@ for cc in gcc clang; do
             quiet $cc $c $sanitize -I"$capi/include" "$capi/tests/smoke.c" "$lib/libscanseg.a" -o smoke-$cc$kind
             quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/segment_pgm.c" "$lib/libscanseg.a" -lm \
                 -o segment_pgm-$cc$kind
+            quiet ${cc/gcc/g}++ $cxx $sanitize -I"$capi/include" "$capi/examples/organised_cloud.cpp" \
+                "$lib/libscanseg.a" -o organised_cloud-$cc$kind
+            quiet ${cc/gcc/g}++ ${cxx/-fno-exceptions -fno-rtti/-DSCANSEG_EXCEPTIONS} $sanitize -I"$capi/include" \
+                "$capi/tests/smoke.cpp" "$lib/libscanseg.a" -o smoke_cpp-$cc$kind
         }
-        quiet "./smoke-$cc$kind"
+        for program in smoke smoke_cpp organised_cloud; do
+            quiet "./$program-$cc$kind"
+        done
     done
     built=$((built + 1))
     echo "$cc: built without warnings; runs, also with AddressSanitizer"
@@ -46,13 +52,60 @@ done
 [ $built -gt 0 ] || { echo "skipped: no C compiler"; exit 0; }
 
 if have valgrind; then
-    for program in smoke-gcc smoke-clang; do
+    for program in {smoke,smoke_cpp,organised_cloud}-{gcc,clang}; do
         [ -x $program ] || continue
         quiet valgrind --error-exitcode=9 --leak-check=full ./$program
     done
     echo "valgrind: no errors"
 else
     echo "skipped: valgrind is not here"
+fi
+
+# Installed, and found by CMake and by pkg-config.
+if have cmake && have g++; then
+    prefix=$out/run/prefix
+    quiet cmake -S "$capi" -B "$out/cmake" -DCMAKE_INSTALL_PREFIX="$prefix"
+    quiet cmake --build "$out/cmake"
+    quiet cmake --install "$out/cmake"
+    quiet cmake -S "$capi/examples" -B examples -DCMAKE_PREFIX_PATH="$prefix"
+    quiet cmake --build examples
+    quiet examples/organised_cloud
+    echo "find_package(scanseg): found, linked, runs"
+    if have pkg-config && have make; then
+        mkdir make
+        cp "$capi"/examples/{Makefile,*.c,*.cpp} make
+        PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name scanseg.pc)") quiet make -C make
+        quiet make/organised_cloud
+        echo "pkg-config and make: found, linked, runs"
+    else
+        echo "skipped: pkg-config or make is not here"
+    fi
+else
+    echo "skipped: cmake is not here"
+fi
+
+# Without an operating system or a C library.
+board="-std=c99 -Os -Wall -Wextra -pedantic -Werror -ffreestanding -nostdlib -mcpu=cortex-m4 -I$capi/include
+    -T $capi/examples/bare_metal/mps2_an386.ld $capi/examples/bare_metal/main.c"
+rust_lld=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/gcc-ld/ld.lld
+if ! rustup target add thumbv7em-none-eabihf >/dev/null 2>&1; then
+    echo "skipped: rustup does not give thumbv7em-none-eabihf"
+else
+    "$capi/build.sh" "$lib-thumbv7em" thumbv7em-none-eabihf
+    # shellcheck disable=SC2086
+    {
+        ! have arm-none-eabi-gcc || quiet arm-none-eabi-gcc -mfloat-abi=hard -mfpu=fpv4-sp-d16 $board \
+            "$lib-thumbv7em/libscanseg.a" -o board-gcc.elf
+        ! { have clang && [ -x "$rust_lld" ]; } || quiet clang --target=thumbv7em-none-eabihf --ld-path="$rust_lld" $board \
+            "$lib-thumbv7em/libscanseg.a" -o board-clang.elf
+    }
+    for cc in gcc clang; do
+        [ -f board-$cc.elf ] || { echo "skipped: bare metal: $cc for Arm is not here"; continue; }
+        have qemu-system-arm || { echo "skipped: qemu-system-arm is not here; board-$cc.elf was linked"; continue; }
+        quiet timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config enable=on,target=native \
+            -kernel board-$cc.elf
+        grep '^approach' log | sed "s/^/Cortex-M4F, $cc: /"
+    done
 fi
 
 # The labels of the C example are those of the command.
@@ -93,3 +146,12 @@ for name in plane edge region; do
     echo "labels of the C example and of the command, $name: $same"
     approach=$((approach + 1))
 done
+
+# The tests of misuse under Miri, as on a 32-bit processor.
+if cargo +nightly miri --version >/dev/null 2>&1; then
+    (cd "$root" && MIRIFLAGS="-Zmiri-strict-provenance -Zmiri-symbolic-alignment-check" quiet cargo +nightly miri test \
+        --quiet -p scanseg-capi --target armv7-unknown-linux-gnueabihf --target-dir "$out/miri")
+    echo "Miri: nothing undefined"
+else
+    echo "skipped: Miri is not here"
+fi

@@ -7,9 +7,9 @@ use std::ptr::{null, null_mut};
 use scanseg_capi::*;
 
 /// Reduced under Miri.
-pub const COLUMNS: usize = if cfg!(miri) { 40 } else { 181 };
+pub const COLUMNS: usize = if cfg!(miri) { 20 } else { 181 };
 /// Reduced under Miri.
-pub const ROWS: usize = if cfg!(miri) { 8 } else { 60 };
+pub const ROWS: usize = if cfg!(miri) { 5 } else { 60 };
 
 pub const APPROACHES: [u32; 3] = [SCANSEG_PLANE, SCANSEG_EDGE, SCANSEG_REGION];
 
