@@ -98,9 +98,8 @@ impl Layout {
             sizes.areas = sizes.areas.min(checked.config.max_labels as usize);
         }
         let angles = if checked.listed() { columns } else { 0 };
-        let traces = config.traces.len();
-        let bytes = size_of::<State>() + sizes.bytes() + size_of::<f32>() * angles + size_of::<Trace>() * traces;
-        Layout { sizes, angles, traces, bytes }
+        let bytes = size_of::<State>() + sizes.bytes() + size_of::<f32>() * angles + size_of_val(config.traces);
+        Layout { sizes, angles, traces: config.traces.len(), bytes }
     }
 }
 
@@ -222,16 +221,9 @@ impl Handle {
     }
 
     /// Rows of labels that `finish` may give out.
-    pub fn latency_rows(&mut self) -> usize {
-        let then = self.phase();
-        self.with(then, |segmenter| {
-            (if matches!(segmenter, Segmenter::Edge(_)) { SCANSEG_LATENCY_ROWS } else { 0 }, false)
-        })
-    }
-
-    fn phase(&self) -> Phase {
-        // SAFETY: `new` has found a segmenter there.
-        unsafe { (*self.state).phase }
+    pub fn latency_rows(&self) -> usize {
+        // SAFETY: `new` has found a segmenter there that is not in use.
+        if matches!(unsafe { &(*self.state).segmenter }, Segmenter::Edge(_)) { SCANSEG_LATENCY_ROWS } else { 0 }
     }
 
     /// Takes a row. Whether the sink broke off.
