@@ -9,7 +9,8 @@ use crate::plane::{Moments, Plane};
 use crate::plane_segmenter::equal_runs;
 use crate::surface::{NONE, Surfaces};
 
-/// The label of an area: 1, 2, 3, ... in the order in which areas begin. Never used twice within a scan.
+/// The label of an area: 1, 2, 3, ... in the order in which areas begin. A row begins the next ones without a gap; each
+/// shows in that row, or in a join that it brings. Never used twice within a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Label(pub u32);
@@ -26,7 +27,7 @@ impl fmt::Display for Label {
 pub enum Pixel {
     /// No return: the paper's outliers, windows among them.
     NoReturn,
-    /// Part of an edge; region-based: on no line.
+    /// Part of an edge; region-based: on no line; by planes: a return in no area.
     Edge,
     /// Part of the area with this label, or of an area that it has joined since.
     Segment(Label),
@@ -34,7 +35,11 @@ pub enum Pixel {
     Unlabelled,
 }
 
-/// Two areas turned out to be one: pixels labelled `from` in earlier rows belong to `into`.
+/// Two areas turned out to be one: pixels labelled `from` in earlier rows belong to `into`, which lives from now on. No
+/// label is joined twice.
+///
+/// By planes either of the two may have been reported as a [`Segment`] before, as long as the table of areas has had room
+/// to remember it. What was said of a segment `from` is then void; one of `into` goes on, and is reported again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Join {
@@ -44,7 +49,12 @@ pub struct Join {
     pub into: Label,
 }
 
-/// An area that can grow no more.
+/// An area that is complete: the row in progress has no pixel of it.
+///
+/// By edges and by regions it can grow no more. By planes it may go on, on the far side of what hides a part of it: only
+/// after a [`Join`] into its label. It is then reported again under this label, with more pixels than before; the last
+/// report counts. A segment whose label was joined into another one afterwards counts no more. Of all that are left, each
+/// has the pixels that were given its label, or one that was joined into it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment {
@@ -82,25 +92,27 @@ impl Segment {
 /// Takes what a segmenter finds, row by row. Any method may return `ControlFlow::Break` to drop the rest of the scan.
 ///
 /// Order of the calls for one pushed row: `edges`; then, for the row that is now decided (edge-based: a few rows earlier),
-/// `join` and `segment` as they are found from left to right; then `row`.
+/// `join` and `segment` as they are found from left to right (by planes all joins, then all segments, in no order of
+/// columns); then `row`. Each row has one `edges` and one `row`; the end of a scan has only segments left to complete, and
+/// edge-based the last rows.
 pub trait Sink {
     /// A row of labels. Joins that this row brought about are already applied to it.
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()>;
 
-    /// Two areas are one.
+    /// Two areas are one; see [`Join`].
     fn join(&mut self, join: Join) -> ControlFlow<()> {
         let _ = join;
         ControlFlow::Continue(())
     }
 
-    /// A segment is complete. Its last row was the one before the row in progress.
+    /// A segment is complete; see [`Segment`]. Its last row was the one before the row in progress.
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
         let _ = segment;
         ControlFlow::Continue(())
     }
 
     /// A row of edges before the closing, for pictures and tests. Region-based: pixels with a return that begin a line or
-    /// are on none.
+    /// are on none. By planes: pixels with a return in no area.
     fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
         let _ = row;
         ControlFlow::Continue(())

@@ -10,11 +10,11 @@ use crate::bits::{CHUNK, pack};
 use crate::scanline::{Lanes, Scanline};
 use crate::surface::{NONE, Surfaces};
 
-/// Squared error at which a pixel lies on no plane, in units of the noise: 3.5 standard deviations.
-const OFF: f32 = 12.0;
+/// Squared error at which a pixel lies on no plane, in units of the noise: 3.2 standard deviations.
+const OFF: f32 = 10.0;
 
 /// Price of a pixel that has left, and price of leaving.
-const LEFT: f32 = 3.0;
+const LEFT: f32 = 2.5;
 const LEAVE: f32 = 12.0;
 
 /// Variance of the direction of a beam, rad^2: 0.02 deg. It tells where a surface is seen at a grazing angle.

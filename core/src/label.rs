@@ -20,7 +20,8 @@ use core::ops::{ControlFlow, Range};
 use crate::event::{Join, Label, Segment, Sink};
 use crate::plane::{Moments, exact_points};
 
-/// Live labels that every image of this width can make do with.
+/// Live labels that every image of this width can make do with, by the paper's two approaches; see
+/// [`Memory::areas`](crate::Memory::areas).
 pub const fn live_labels(columns: usize) -> usize {
     columns / 2 + 1
 }

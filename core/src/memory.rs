@@ -17,9 +17,10 @@ pub struct Memory<'a> {
     pub bearings: &'a mut [u16],
     /// Rows of packed bits, and the frontier of the labels.
     pub words: &'a mut [u32],
-    /// The table of live labels. [`live_labels`] elements are enough for every image; with fewer, an area that finds the
-    /// table full stays without a label, which [`Status`](crate::Status), [`Finished`](crate::Finished) and
-    /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
+    /// The table of live labels; more than [`live_labels`] elements are not used. They are enough for every image by the
+    /// paper's two approaches. The plane approach holds the areas of two rows in it, which noise alone can make more of. An
+    /// area that finds the table full stays without a label, which [`Status`](crate::Status),
+    /// [`Finished`](crate::Finished) and [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
     pub areas: &'a mut [Area],
 }
 

@@ -187,17 +187,17 @@ impl<'a> PlaneSegmenter<'a> {
             })?;
         }
 
-        self.surfaces.refit();
-        join_neighbours(&mut self.surfaces, above, slots, line.wraps, &noise, sink)?;
-        self.surfaces.bridge(&noise, sink)?;
-        self.surfaces.settle(slots);
-        self.surfaces.close(false, sink)?;
-
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
             *free &= pack(&none);
         }
         sink.edges(&EdgeRow { row: at.row, columns, words: free })?;
+
+        self.surfaces.refit();
+        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
+        self.surfaces.bridge(&noise, sink)?;
+        self.surfaces.settle(slots);
+        self.surfaces.close(false, sink)?;
         let labels = RunLabels::Slots { slots, table: self.surfaces.table() };
         sink.row(&LabelRow { row: at.row, columns, returns, labels })?;
         ControlFlow::Continue(unlabelled)
@@ -266,9 +266,9 @@ fn area_for(
 /// Joins areas that are neighbours in this row, or from this row to the one above, and have a common plane.
 fn join_neighbours<S: Sink>(
     surfaces: &mut Surfaces,
+    line: &Scanline,
     above: &[u16],
     slots: &[u16],
-    wraps: bool,
     noise: &Noise,
     sink: &mut S,
 ) -> ControlFlow<()> {
@@ -280,7 +280,8 @@ fn join_neighbours<S: Sink>(
         let [here, up, right] =
             [(slots, from), (above, from), (slots, from + 1)].map(|(row, from)| *load(row, from, &mut [NONE; CHUNK]));
         let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
-        differ[CHUNK - 1] = true;
+        // the neighbour may be in the next chunk, or across the seam
+        differ[CHUNK.min(columns - from) - 1] = true;
         let mut bits = pack(&differ) & mask(from / CHUNK, columns);
         while bits != 0 {
             let column = from + bits.trailing_zeros() as usize;
@@ -291,7 +292,7 @@ fn join_neighbours<S: Sink>(
             }
             let beside = |ahead: usize| match column + ahead {
                 c if c < columns => slots[c],
-                c if wraps => slots[c - columns],
+                c if line.wraps => slots[c - columns],
                 _ => NONE,
             };
             let right = if beside(1) < FULL { beside(1) } else { beside(2) };
@@ -307,7 +308,13 @@ fn join_neighbours<S: Sink>(
                 next = (next + 1) % REMEMBERED_PAIRS;
                 let (one, other) = (surfaces.root(slot), surfaces.root(other));
                 if one != other && surfaces.size(one).0 > 1 && surfaces.size(other).0 > 1 {
-                    surfaces.try_join(one, other, noise, sink)?;
+                    if surfaces.try_join(one, other, noise, sink)? {
+                        continue;
+                    }
+                    let inverse_m = |plane| line.inverse_m(column, plane);
+                    if let Some(fit) = surfaces.bends(one, other, noise, inverse_m) {
+                        surfaces.join(one, other, &fit, sink)?;
+                    }
                 }
             }
         }

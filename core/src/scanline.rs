@@ -22,6 +22,14 @@ impl Scanline<'_> {
         [dot(self.frame.p), dot(self.frame.q), dot(self.frame.r), dot(turned)]
     }
 
+    /// One over the range at which the beam of a column meets a plane.
+    pub fn inverse_m(&self, column: usize, m: [f32; 3]) -> f32 {
+        let [a, b, k, _] = self.along(m);
+        let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
+        self.fan.row_lanes(&self.frame, column / CHUNK * CHUNK, &mut cos, &mut sin);
+        a * cos[column % CHUNK] + b * sin[column % CHUNK] + k
+    }
+
     /// The chunk that starts at column `from`.
     #[inline]
     pub fn lanes(&self, from: usize, lanes: &mut Lanes) {

@@ -33,6 +33,13 @@ const WOBBLE: f64 = 4.0;
 /// Most of that.
 const MOST: f64 = 9.0;
 
+/// Large areas that meet at less than 3 deg, and with a step of less than one standard deviation of a range, are a surface
+/// that the scanner bends.
+const BEND_COS_SQUARE: f32 = 0.99726;
+const BEND_STEP: f32 = 9.0;
+const BEND_POINTS: u32 = 500;
+const BEND_ROWS: u16 = 4;
+
 /// Areas with fewer points join no other one across a gap.
 const GAP_POINTS: u32 = 20;
 
@@ -183,8 +190,10 @@ impl<'a> Surfaces<'a> {
         self.table[usize::from(slot)] = Area::begin(self.next_label, self.row, line.start as u16, slot);
         self.next_label += 1;
         *self.state(slot) = LIVE;
-        self.planes[usize::from(slot) * PLANE_LEN + 3] =
-            (squares * noise.range_m2 / mean_square_range_m2(moments)) as f32;
+        let p = usize::from(slot) * PLANE_LEN;
+        // no plane, which nothing follows: some points never make one
+        self.planes[p..p + 3].fill(0.0);
+        self.planes[p + 3] = (squares * noise.range_m2 / mean_square_range_m2(moments)) as f32;
         self.extend(slot, line, moments);
         slot
     }
@@ -217,9 +226,36 @@ impl<'a> Surfaces<'a> {
         (by_chance || parts.iter().all(|(part, _)| near(part))).then_some(fit)
     }
 
+    /// Whether two large areas meet at a small angle, and without a step. `inverse_m` gives the inverse of the range at
+    /// which a plane is seen where they meet.
+    pub fn bends(&self, one: u16, other: u16, noise: &Noise, inverse_m: impl Fn([f32; 3]) -> f32) -> Option<Fit> {
+        let large = |slot: u16| self.size(slot).0 >= BEND_ROWS && self.get(slot).points >= BEND_POINTS;
+        let (a, b) = (self.plane(one)?, self.plane(other)?);
+        let dot = |u: [f32; 3], v: [f32; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let (aligned, squares) = (dot(a, b), dot(a, a) * dot(b, b));
+        let (near, far) = (inverse_m(a), inverse_m(b));
+        // 1 / far - 1 / near, without a division
+        let step = (near - far) * (near - far);
+        let least = BEND_STEP * noise.range_m2 as f32 * near * near * far * far;
+        let bends = large(one)
+            && large(other)
+            && aligned > 0.0
+            && aligned * aligned > BEND_COS_SQUARE * squares
+            && step < least;
+        let mut both = self.get(one).moments();
+        both.merge(&self.get(other).moments());
+        bends.then(|| Fit::of(&both)).flatten()
+    }
+
     /// Joins two areas if they are one surface.
     pub fn try_join<S: Sink>(&mut self, one: u16, other: u16, noise: &Noise, sink: &mut S) -> ControlFlow<(), bool> {
         let Some(fit) = self.common(one, other, noise) else { return ControlFlow::Continue(false) };
+        self.join(one, other, &fit, sink)?;
+        ControlFlow::Continue(true)
+    }
+
+    /// Joins two areas into one of that plane.
+    pub fn join<S: Sink>(&mut self, one: u16, other: u16, fit: &Fit, sink: &mut S) -> ControlFlow<()> {
         let older = self.get(one).label < self.get(other).label;
         let (kept, gone) = if older { (one, other) } else { (other, one) };
         let (area, exact) = (*self.get(gone), self.exact_points);
@@ -230,9 +266,8 @@ impl<'a> Surfaces<'a> {
         *self.state(kept) = state;
         let (k, g) = (usize::from(kept) * MARKS_LEN, usize::from(gone) * MARKS_LEN);
         self.marks[k] = self.marks[k].max(self.marks[g]);
-        self.set_plane(kept, &fit);
-        sink.join(join)?;
-        ControlFlow::Continue(true)
+        self.set_plane(kept, fit);
+        sink.join(join)
     }
 
     /// Planes of the areas that this row has added to.

@@ -22,8 +22,8 @@ pub(crate) const fn scratch_len(columns: usize) -> usize {
 const EXPECTED_RAD: f32 = 2.0 * core::f32::consts::PI / 180.0;
 
 /// Squared errors, in units of the noise, that the angle must explain: in all, and for each pixel.
-const GAIN: f32 = 15.0;
-const GAIN_PER_PIXEL: f32 = 1.0;
+const GAIN: f32 = 8.0;
+const GAIN_PER_PIXEL: f32 = 0.5;
 
 /// Squared error, in units of the noise, beyond which a pixel is on another surface.
 const OFF: f32 = 9.0;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use scanseg_core::{Config, LabelRow, Segment, Sink};
 
 use crate::format::{Geometry, RangeImage};
-use crate::segmentation::{Approach, OwnedMemory, ScanBeams, SegmentationError, Segmenter, check_size};
+use crate::segmentation::{Approach, OwnedMemory, ScanBeams, Segmentation, SegmentationError, Segmenter, check_size};
 
 /// Smaller segments are not asked for their planes.
 const MIN_PIXELS: u32 = 30;
@@ -37,23 +37,23 @@ impl Timing {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
-        let mut consumer = Consumer::default();
         let mut ns_per_point = Vec::new();
         let mut segmenter = Segmenter::new(approach, *config, beams.beams(), scan.columns, memory.memory())?;
         for round in 0..=rounds.max(1) {
-            consumer.segments = 0;
             let started = Instant::now();
             for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-                segmenter.push_row(black_box(row_m), row_rad, &mut consumer)?;
+                segmenter.push_row(black_box(row_m), row_rad, &mut Consumer)?;
             }
-            black_box(segmenter.finish(&mut consumer));
+            black_box(segmenter.finish(&mut Consumer));
             let ns = started.elapsed().as_secs_f64() * 1e9;
             if round > 0 {
                 ns_per_point.push(ns / scan.range_m.len() as f64);
             }
         }
         ns_per_point.sort_by(f64::total_cmp);
-        Ok(Timing { ns_per_point, segments: consumer.segments })
+        let segments =
+            Segmentation::of(scan, geometry, approach, config, max_labels, || ())?.of_pixels(MIN_PIXELS).len();
+        Ok(Timing { ns_per_point, segments })
     }
 
     /// The median round, nanoseconds per point.
@@ -64,10 +64,7 @@ impl Timing {
 }
 
 /// Takes the rows and asks the larger segments for their planes.
-#[derive(Default)]
-struct Consumer {
-    segments: usize,
-}
+struct Consumer;
 
 impl Sink for Consumer {
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
@@ -77,7 +74,6 @@ impl Sink for Consumer {
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
         if segment.pixels() >= MIN_PIXELS {
-            self.segments += 1;
             black_box(segment.plane());
         }
         ControlFlow::Continue(())

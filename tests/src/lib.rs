@@ -1,5 +1,6 @@
 //! Slow, obvious models of what scanseg does, for its tests.
 pub mod art;
 pub mod hoover;
+pub mod order;
 pub mod reference;
 pub mod stream;

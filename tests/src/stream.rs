@@ -6,8 +6,8 @@ use crate::reference::labels::Class;
 use crate::reference::{Image, Segmentation, Settings, Size, Trace as ReferenceTrace, segment_counts};
 use scanseg_core::{
     Area, Beams, COUNTS_PER_RAD, Columns, Config, EdgeRow, EdgeSegmenter, Element, Finished, Join, LATENCY_ROWS, Label,
-    LabelRow, Memory, Pixel, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Status, Trace, TurnAxis,
-    bearing_row,
+    LabelRow, Memory, Pixel, PlaneSegmenter, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Status, Trace,
+    TurnAxis, bearing_row,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -165,6 +165,15 @@ impl Scan {
         record
     }
 
+    /// As [`Scan::record`], by the plane approach.
+    pub fn record_planes(&self, config: &Config, areas: usize) -> Record {
+        let mut room = Room::new(self.columns, config, areas);
+        let mut segmenter = PlaneSegmenter::new(*config, self.beams(), self.columns, room.memory()).unwrap();
+        let mut record = Record::default();
+        self.feed(&mut segmenter, &mut record).unwrap();
+        record
+    }
+
     /// Pushes all rows and finishes, until the record breaks off.
     pub fn feed(&self, segmenter: &mut impl Segmenter, record: &mut Record) -> Result<(), PushError> {
         for row in 0..self.turn_rad.len() {
@@ -179,7 +188,7 @@ impl Scan {
     }
 }
 
-/// Either segmenter.
+/// Any segmenter.
 pub trait Segmenter {
     /// `push_row`.
     fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError>;
@@ -198,6 +207,16 @@ impl Segmenter for EdgeSegmenter<'_> {
 }
 
 impl Segmenter for RegionSegmenter<'_> {
+    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
+        self.push_row(ranges_m, turn_rad, record)
+    }
+
+    fn end(&mut self, record: &mut Record) -> Finished {
+        self.finish(record)
+    }
+}
+
+impl Segmenter for PlaneSegmenter<'_> {
     fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
         self.push_row(ranges_m, turn_rad, record)
     }
@@ -326,7 +345,7 @@ impl Record {
         self.pixels().iter().map(label).collect()
     }
 
-    /// The segments by label.
+    /// The segments by label; of those reported more than once the last report.
     pub fn segments(&self) -> BTreeMap<u32, Segment> {
         let segments = self.events.iter().filter_map(|event| match event {
             Event::Segment(segment) => Some((segment.label.0, *segment)),

@@ -2,7 +2,7 @@
 
 use scanseg_core::{
     Area, Beams, Columns, Config, ConfigError, EdgeSegmenter, MAX_COLUMNS, MAX_RANGE_M, MAX_TRACE_ROWS, MAX_TRACES,
-    RegionSegmenter, Sizes, Trace, TurnAxis, buffers, live_labels,
+    PlaneSegmenter, RegionSegmenter, Sizes, Trace, TurnAxis, buffers, live_labels,
 };
 use scanseg_tests::stream::{Angles, Record, Rig, Room, Scan};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -21,6 +21,17 @@ fn fits_small_microcontrollers() {
         let bytes = Sizes::of(columns, &CONFIG).bytes() + segmenter;
         println!("{columns} columns: {bytes} bytes");
         assert!(bytes <= kib * 1024, "{columns} columns: {bytes} bytes");
+    }
+}
+
+/// The plane segmenter makes do with the same slices: its bytes, on a 64-bit host.
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn planes_in_the_same_memory() {
+    for (columns, most, bytes) in [(361, 40 * 1024, 23_884), (181, 14 * 1024, 12_208)] {
+        let found = Sizes::of(columns, &CONFIG).bytes() + size_of::<PlaneSegmenter>();
+        assert_eq!(found, bytes, "{columns} columns");
+        assert!(bytes <= most);
     }
 }
 
@@ -70,6 +81,12 @@ fn buffers_in_statics() {
             scan.feed(&mut segmenter, &mut record).unwrap();
             assert_eq!(record, scan.record_regions(&CONFIG, areas));
         }
+        for (memory, areas) in [(full.memory(), live_labels(33)), (small.memory(), 4)] {
+            let mut segmenter = PlaneSegmenter::new(CONFIG, scan.beams(), 33, memory).unwrap();
+            let mut record = Record::default();
+            scan.feed(&mut segmenter, &mut record).unwrap();
+            assert_eq!(record, scan.record_planes(&CONFIG, areas));
+        }
     }
 }
 
@@ -79,9 +96,12 @@ fn refused(config: Config, beams: Beams, columns: usize) -> Option<ConfigError> 
     let sane = Config { traces: &config.traces[..config.traces.len().min(MAX_TRACES)], ..config };
     let mut room = Room::new(columns.min(MAX_COLUMNS), &sane, 1);
     let by_regions = RegionSegmenter::new(config, beams, columns, room.memory()).err();
+    let by_planes = PlaneSegmenter::new(config, beams, columns, room.memory()).err();
     let refused = EdgeSegmenter::new(config, beams, columns, room.memory()).err();
     // by their text, because NaN does not equal itself
-    assert_eq!(format!("{refused:?}"), format!("{by_regions:?}"), "both segmenters");
+    for other in [by_regions, by_planes] {
+        assert_eq!(format!("{refused:?}"), format!("{other:?}"), "all segmenters");
+    }
     refused
 }
 
@@ -92,8 +112,9 @@ fn too_small_memory() {
         let mut room = Room::new(33, &CONFIG, 1);
         shrink(&mut room);
         let by_regions = RegionSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err();
+        let by_planes = PlaneSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err();
         let refused = EdgeSegmenter::new(CONFIG, BEAMS, 33, room.memory()).err();
-        assert_eq!(refused, by_regions);
+        assert_eq!([refused; 2], [by_regions, by_planes]);
         refused
     };
     let memory = |field, needed| Some(ConfigError::Memory { field, needed, got: needed - 1 });

@@ -13,7 +13,7 @@ pub struct Options {
     /// Settings to start from
     #[arg(long, value_enum, default_value = "default")]
     preset: Preset,
-    /// How the scan is segmented [default: of the preset]
+    /// How the scan is segmented [default: as the other options need it, or that of the preset]
     #[arg(long, value_enum)]
     approach: Option<ApproachOption>,
     /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
@@ -112,29 +112,40 @@ impl Options {
         config
     }
 
+    /// The approach that is named, or else the one that the given values belong to, or else that of the preset.
     pub fn approach(&self) -> Approach {
         match (self.approach, self.preset) {
-            (Some(ApproachOption::Plane), _) | (None, Preset::Default) => Approach::Plane,
-            (Some(ApproachOption::Edge), _) | (None, Preset::Paper) => Approach::Edge,
+            (Some(ApproachOption::Plane), _) => Approach::Plane,
+            (Some(ApproachOption::Edge), _) => Approach::Edge,
             (Some(ApproachOption::Region), _) => Approach::Region,
+            (None, preset) => match (self.given().next(), preset) {
+                (Some((_, approach)), _) => approach,
+                (None, Preset::Default) => Approach::Plane,
+                (None, Preset::Paper) => Approach::Edge,
+            },
         }
     }
 
     /// Refuses a value that the approach does not use.
     pub fn check(&self) -> Result<(), Failure> {
-        let (edge, region) = (Approach::Edge, Approach::Region);
-        let given = [
-            ("--roof-angle-deg", edge, self.roof_angle_deg.is_some()),
-            ("--step-angle-deg", edge, self.step_angle_deg.is_some()),
-            ("--traces", edge, !self.traces.is_empty()),
-            ("--closing", edge, self.closing.is_some()),
-            ("--line-angle-deg", region, self.line_angle_deg.is_some()),
-            ("--plane-distance-m", region, self.plane_distance_m.is_some()),
-        ];
-        match given.into_iter().find(|&(_, approach, given)| given && approach != self.approach()) {
-            Some((option, approach, _)) => Err(format!("{option} needs --approach {}", name(approach)).into()),
+        match self.given().find(|&(_, approach)| approach != self.approach()) {
+            Some((option, approach)) => Err(format!("{option} needs --approach {}", name(approach)).into()),
             None => Ok(()),
         }
+    }
+
+    /// The options given that belong to one approach.
+    fn given(&self) -> impl Iterator<Item = (&'static str, Approach)> {
+        [
+            ("--roof-angle-deg", Approach::Edge, self.roof_angle_deg.is_some()),
+            ("--step-angle-deg", Approach::Edge, self.step_angle_deg.is_some()),
+            ("--traces", Approach::Edge, !self.traces.is_empty()),
+            ("--closing", Approach::Edge, self.closing.is_some()),
+            ("--line-angle-deg", Approach::Region, self.line_angle_deg.is_some()),
+            ("--plane-distance-m", Approach::Region, self.plane_distance_m.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(option, approach, given)| given.then_some((option, approach)))
     }
 
     pub fn max_labels(&self) -> Option<usize> {

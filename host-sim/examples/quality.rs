@@ -1,0 +1,180 @@
+//! How good the default is, and how far from what is possible: correct detections (Hoover, regions of 30 pixels up) on the
+//! tuning and the validation scenes at 0, 5 and 10 mm of range noise, beside what perfect answers would reach; and the
+//! recorded scans of `../shared/data` that have known planes, where they are there.
+//!
+//! `quality` prints all, `quality default` the default on the simulated scenes and the recorded scans only.
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::{env, error, thread};
+
+use scanseg_core::Config;
+use scanseg_sim::format::{Geometry, GreyImage, RangeImage};
+use scanseg_sim::hoover::{Hoover, Overlaps};
+use scanseg_sim::office::{SCENES, Scene, Sensor, Set};
+use scanseg_sim::segmentation::{Approach, Segmentation};
+
+const MIN_PIXELS: usize = 30;
+
+/// Standard deviation of the jumps of the turn angle that the encoder does not tell: more than half of a row.
+const SEAMS_DEG: f64 = 0.3;
+
+type Labels = fn(&RangeImage, &Geometry, &[u16], f32) -> Vec<u16>;
+
+fn main() -> Result<(), Box<dyn error::Error>> {
+    let all = env::args().nth(1).as_deref() != Some("default");
+    let default: Labels = |ranges, geometry, _, noise_m| segmented(ranges, geometry, noise_m);
+    let methods: &[(&str, Labels)] = &[
+        ("default", default),
+        ("default, servo seams", default),
+        ("perfect pieces", |ranges, _, truth, _| pieces(ranges, truth, |_| true)),
+        ("perfect edges, given back", |ranges, _, truth, _| edges(ranges, truth, true)),
+        ("perfect edges", |ranges, _, truth, _| edges(ranges, truth, false)),
+    ];
+    println!("{:<26} {:<10} {:>5} {:>8} {:>8} {:>8} {:>8}", "", "set", "mm", "T = 0.8", "T = 0.9", "under", "noise");
+    for (i, (name, labels)) in methods.iter().enumerate().filter(|(i, _)| all || *i == 0) {
+        let (segments, seams_deg) = (i < 2, if i == 1 { SEAMS_DEG } else { 0.0 });
+        for (set, set_name) in [(Set::Tuning, "tuning"), (Set::Validation, "validation")] {
+            // perfect answers do not depend on the noise
+            for noise_mm in [0.0, 5.0, 10.0].into_iter().take(if segments { 3 } else { 1 }) {
+                let sensor = Sensor {
+                    range_noise_m: noise_mm / 1e3,
+                    turn_misreported_deg: seams_deg,
+                    ..Sensor::nodding(200, 361)
+                };
+                let found = scenes(set, &sensor, *labels);
+                let sum =
+                    |count: fn(&Hoover) -> usize, at: usize| found.iter().map(|f| count(&f[at])).sum::<usize>() as f64;
+                let truth = sum(|h| h.truth_regions, 0);
+                let [good, fine] = [0, 1].map(|at| 100.0 * sum(|h| h.correct, at) / truth);
+                let (under, noise) = (sum(|h| h.under_segmented, 0) / truth, sum(|h| h.noise, 0) / truth);
+                println!("{name:<26} {set_name:<10} {noise_mm:>5} {good:>8.1} {fine:>8.1} {under:>8.3} {noise:>8.3}");
+            }
+        }
+    }
+    recorded()
+}
+
+/// The classes at T = 0.8 and 0.9 of every scene, two scenes at a time.
+fn scenes(set: Set, sensor: &Sensor, labels: Labels) -> Vec<[Hoover; 2]> {
+    let one = |scene| {
+        let scan = Scene::numbered(set, scene).scan(sensor, 0).expect("a sensor that works");
+        let (rows, columns, range_m) = (scan.rows, scan.columns, scan.range_m);
+        let image = RangeImage { rows, columns, range_m }.to_grey(&scan.geometry).expect("ranges that fit");
+        // as from the file
+        let ranges = RangeImage::from_grey(&image, &scan.geometry).expect("an image that fits");
+        let found = labels(&ranges, &scan.geometry, &scan.truth, sensor.range_noise_m as f32);
+        classes(&scan.truth, &found)
+    };
+    let half = |from| (from..SCENES).step_by(2).map(one).collect::<Vec<_>>();
+    thread::scope(|scope| {
+        let odd = scope.spawn(|| half(1));
+        [half(0), odd.join().expect("no panic")].concat()
+    })
+}
+
+fn classes(truth: &[u16], labels: &[u16]) -> [Hoover; 2] {
+    let overlaps = Overlaps::new(truth, labels, MIN_PIXELS).expect("one label per pixel");
+    [0.8, 0.9].map(|tolerance| overlaps.at(tolerance).expect("a tolerance within range"))
+}
+
+fn segmented(ranges: &RangeImage, geometry: &Geometry, noise_m: f32) -> Vec<u16> {
+    let mut config = Config::new(noise_m);
+    config.min_range_m = geometry.min_range_m.map_or(config.min_range_m, |m| m as f32);
+    let found = Segmentation::of(ranges, geometry, Approach::Plane, &config, None, || ()).expect("a scan that fits");
+    found.numbers(MIN_PIXELS as u32).iter().map(|&number| number as u16).collect()
+}
+
+/// The 4-connected pieces of the truth, of the pixels that are `kept`.
+fn pieces(ranges: &RangeImage, truth: &[u16], kept: impl Fn(usize) -> bool) -> Vec<u16> {
+    let mut labels = vec![0; truth.len()];
+    let mut last = 0;
+    for first in 0..truth.len() {
+        if truth[first] == 0 || labels[first] != 0 || !kept(first) {
+            continue;
+        }
+        last += 1;
+        labels[first] = last;
+        let mut open = vec![first];
+        while let Some(pixel) = open.pop() {
+            for other in neighbours(ranges, pixel) {
+                if truth[other] == truth[pixel] && labels[other] == 0 && kept(other) {
+                    labels[other] = last;
+                    open.push(other);
+                }
+            }
+        }
+    }
+    labels
+}
+
+/// The pieces between pixels that have a neighbour on another surface; those pixels belong to nobody, or are given back.
+fn edges(ranges: &RangeImage, truth: &[u16], given_back: bool) -> Vec<u16> {
+    let inner = |pixel: usize| neighbours(ranges, pixel).all(|other| truth[other] == truth[pixel]);
+    let mut labels = pieces(ranges, truth, inner);
+    loop {
+        let take = |pixel: usize| neighbours(ranges, pixel).find(|&o| labels[o] != 0 && truth[o] == truth[pixel]);
+        let free = (0..truth.len()).filter(|&pixel| labels[pixel] == 0 && truth[pixel] != 0);
+        let given: Vec<_> = free.filter_map(|pixel| Some((pixel, labels[take(pixel)?]))).collect();
+        if given.is_empty() || !given_back {
+            return labels;
+        }
+        given.into_iter().for_each(|(pixel, label)| labels[pixel] = label);
+    }
+}
+
+fn neighbours(ranges: &RangeImage, pixel: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (pixel / ranges.columns, pixel % ranges.columns);
+    let (rows, columns) = (ranges.rows, ranges.columns);
+    [(row.wrapping_sub(1), column), (row + 1, column), (row, column.wrapping_sub(1)), (row, column + 1)]
+        .into_iter()
+        .filter(move |&(row, column)| row < rows && column < columns)
+        .map(move |(row, column)| row * columns + column)
+}
+
+fn recorded() -> Result<(), Box<dyn error::Error>> {
+    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+    let read = |folder: &str, image: &str, geometry: &str| -> Result<_, Box<dyn error::Error>> {
+        let geometry = Geometry::read(data.join(folder).join(geometry))?;
+        let ranges = RangeImage::from_grey(&GreyImage::read(data.join(folder).join(image))?, &geometry)?;
+        let noise_m = geometry.range_noise_m.unwrap_or(0.01) as f32;
+        Ok(segmented(&ranges, &geometry, noise_m))
+    };
+    let (corridor, synpeb) = ("tilting-sick-corridor", "synpeb");
+    for scan in ["scan000", "scan001"] {
+        if !data.join(corridor).is_dir() {
+            println!("skipped: {corridor} is absent");
+            break;
+        }
+        let labels = read(corridor, &format!("{scan}.range_mm.pgm"), "geometry.toml")?;
+        let planes = GreyImage::read(data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
+        let best = best_overlaps(&planes, &labels, 3000);
+        let mean = best.iter().sum::<f64>() / best.len() as f64;
+        println!("{corridor} {scan}: mean best overlap {mean:.3} of {best:.2?}");
+    }
+    if data.join(synpeb).is_dir() {
+        let labels = read(synpeb, "test_100.range_100um.pgm", "test_100.geometry.toml")?;
+        let truth = GreyImage::read(data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
+        let truth: Vec<u16> = truth.iter().map(|&id| if id < 10 { 0 } else { id }).collect();
+        let [at, _] = classes(&truth, &labels);
+        println!("{synpeb}: {} of {} correct at T = 0.8", at.correct, at.truth_regions);
+    } else {
+        println!("skipped: {synpeb} is absent");
+    }
+    Ok(())
+}
+
+/// For each plane of so many pixels the intersection over union of the segment that fits best; pixels on no plane do not
+/// count.
+fn best_overlaps(planes: &[u16], labels: &[u16], pixels: u32) -> Vec<f64> {
+    let (mut plane_of, mut segment_of, mut both) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+    for (&plane, &label) in planes.iter().zip(labels).filter(|(plane, _)| **plane != 0) {
+        *plane_of.entry(plane).or_insert(0u32) += 1;
+        *segment_of.entry(label).or_insert(0u32) += 1;
+        *both.entry((plane, label)).or_insert(0u32) += 1;
+    }
+    let best = |plane: u16, size: u32| {
+        let of_plane = both.iter().filter(|((p, label), _)| *p == plane && *label != 0);
+        of_plane.map(|((_, label), &n)| f64::from(n) / f64::from(size + segment_of[label] - n)).fold(0.0, f64::max)
+    };
+    plane_of.iter().filter(|(_, size)| **size >= pixels).map(|(&plane, &size)| best(plane, size)).collect()
+}
