@@ -12,7 +12,8 @@
  *
  * Pointers. NULL, a pointer that is not aligned, and a wrong size are told by a status. Beyond that every pointer must point
  * to as many elements as it says, for the time of the call, and arrays of one call must not overlap. While a segmenter is in
- * use its memory must not be written to, moved or copied: a copy is refused. To end its use needs no call.
+ * use its memory is left alone: not written to, moved or copied. A segmenter that was never made, overwritten or copied is
+ * told by a status, provided that there is memory that was written to at some time. To end its use needs no call.
  *
  * Statuses. 0 is success; above 0 the call did what it should, and there is something to know; below 0 the call did nothing.
  *
@@ -30,8 +31,9 @@
 
 /** The same, with listed columns (`listed` = 1, else 0), so many traces, and the most rows that a trace reaches back. */
 #define SCANSEG_STATE_SIZE_WITH(columns, listed, traces, trace_rows) \
-    ((size_t)1600 + (size_t)(columns) * (56 + 4 * (size_t)(listed) + 4 * (size_t)(traces) + 4 * (size_t)(trace_rows)) \
-     + 144 * (size_t)(traces))
+    ((size_t)1280 + (size_t)(columns) * (45 + 4 * (size_t)(listed) + 4 * (size_t)((traces) > 2 ? (traces) : 2) \
+                                         + 4 * (size_t)((trace_rows) > 3 ? (trace_rows) : 3)) \
+     + 136 * (size_t)(traces))
 
 /** Events that one call can bring at most, for images of so many columns. */
 #define SCANSEG_MAX_EVENTS(columns) (2 * (size_t)(columns) + 4)

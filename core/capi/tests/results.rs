@@ -180,7 +180,9 @@ fn few_labels_as_the_core() {
     }
 }
 
-/// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. What noise brings stays below; none is lost.
+/// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end of another label. Labels
+/// that can end are those that were live before, up to columns / 2 + 1, and those that begin in a row, up to
+/// (columns + 1) / 2; at the end of an edge-based scan three rows are decided in one call. That is not above the bound.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn events_of_one_call_stay_within_the_bound() {

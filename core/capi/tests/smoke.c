@@ -58,7 +58,7 @@ static void sizes(void) {
                 }
                 CHECK(scanseg_state_size(&config, &size) == SCANSEG_OK);
                 CHECK(size <= SCANSEG_STATE_SIZE_WITH(columns, listed, traces, rows));
-                CHECK(2 * size + 4096 >= SCANSEG_STATE_SIZE_WITH(columns, listed, traces, rows));
+                CHECK(size + size / 20 + 1024 + 140 * traces >= SCANSEG_STATE_SIZE_WITH(columns, listed, traces, rows));
                 config = configuration(columns);
                 CHECK(scanseg_state_size(&config, &size) == SCANSEG_OK && size <= SCANSEG_STATE_SIZE(columns));
             }

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use std::ffi::c_void;
-use std::ptr::{null, null_mut};
+use std::ptr::null_mut;
 
 use scanseg_capi::*;
 
@@ -151,7 +151,7 @@ pub fn bad_field(config: &Config) -> Option<&'static str> {
     // SAFETY: a reference; the name is a constant of the library.
     unsafe {
         let name = scanseg_bad_field(config);
-        (name != null()).then(|| std::ffi::CStr::from_ptr(name).to_str().unwrap())
+        (!name.is_null()).then(|| std::ffi::CStr::from_ptr(name).to_str().unwrap())
     }
 }
 
