@@ -33,8 +33,8 @@ const WOBBLE: f64 = 4.0;
 /// Most of that.
 const MOST: f64 = 9.0;
 
-/// Large areas that meet at less than 3 deg, and with a step of less than one standard deviation of a range, are a surface
-/// that the scanner bends.
+/// Large areas that meet at less than 3 deg, and with a step of less than three standard deviations of a range, are a
+/// surface that the scanner bends.
 const BEND_COS_SQUARE: f32 = 0.99726;
 const BEND_STEP: f32 = 9.0;
 const BEND_POINTS: u32 = 500;

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Builds the library for C into a folder: libscanseg.a, and where there is an operating system libscanseg.so.
+#
+#     build.sh OUT [TARGET] [CPU]     TARGET: a Rust target such as thumbv7em-none-eabihf; CPU: as of rustc's target-cpu
+#
+# The library has no run-time: it asks for memcpy, memset and abort of C, and nothing else. For bare metal the archive also
+# holds the compiler's arithmetic (division of 64 bits, floating point in software), for linkers that bring none.
+# CARGO_PROFILE_CAPI_OPT_LEVEL=s makes it smaller, and slower.
+set -euo pipefail
+out=$1
+target=${2:-}
+cpu=${3:-generic}
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+cd "$(dirname "$0")"
+host=$(rustc -vV | sed -n 's/^host: //p')
+target=${target:-$host}
+[ "$cpu" = generic ] && flags="" || flags="-Ctarget-cpu=$cpu"
+built=$out/cargo/$target/capi
+build() { # crate type
+    RUSTFLAGS=$flags cargo rustc --quiet --profile capi --package scanseg-capi --no-default-features --crate-type "$1" \
+        --target "$target" --target-dir "$out/cargo"
+}
+case $target in
+*-none-*)
+    build staticlib
+    cp "$built/libscanseg_capi.a" "$out/libscanseg.a"
+    ;;
+*)
+    build staticlib,cdylib
+    # without the compiler's arithmetic, which C's linker has: it would get between a program and its libm
+    rm -rf "$out/objects" "$out/libscanseg.a"
+    mkdir "$out/objects"
+    (cd "$out/objects" && ar x "$built/libscanseg_capi.a" && ar rcs "$out/libscanseg.a" scanseg_capi*.o)
+    rm -rf "$out/objects"
+    [ ! -f "$built/libscanseg_capi.so" ] || cp "$built/libscanseg_capi.so" "$out/libscanseg.so"
+    ;;
+esac

@@ -1,0 +1,172 @@
+// scanseg for C++17: owns the memory of a segmenter and of its results. The description of everything is in scanseg.h.
+//
+//     scanseg::Config config;                     // the defaults
+//     config.columns = 640;                       // as in C
+//     scanseg::Segmenter segmenter(config);
+//     if (!segmenter.status()) { puts(segmenter.status().what()); }
+//     for each row: segmenter.push_row(ranges_m); // then labels() and events()
+//     segmenter.finish();                         // then reset() for the next scan
+//
+// Calls answer with a status, and nothing is thrown; with SCANSEG_EXCEPTIONS defined before the header is included, errors
+// are thrown as scanseg::Error. Memory is taken when a segmenter is made, and not afterwards.
+#ifndef SCANSEG_HPP
+#define SCANSEG_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+#ifdef SCANSEG_EXCEPTIONS
+#include <stdexcept>
+#endif
+
+#include "scanseg.h"
+
+namespace scanseg {
+
+/// Elements in a row: from a pointer and a length, or from whatever has data() and size(), as std::vector, std::array,
+/// std::span. It does not own them.
+template <class T>
+class Span {
+public:
+    constexpr Span() noexcept = default;
+    constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+    template <std::size_t N>
+    constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+    template <class C, class = std::enable_if_t<std::is_convertible_v<decltype(std::declval<C &>().data()), T *>>>
+    constexpr Span(C &&of) noexcept : data_(of.data()), size_(of.size()) {}
+
+    constexpr T *data() const noexcept { return data_; }
+    constexpr std::size_t size() const noexcept { return size_; }
+    constexpr bool empty() const noexcept { return size_ == 0; }
+    constexpr T *begin() const noexcept { return data_; }
+    constexpr T *end() const noexcept { return data_ + size_; }
+    constexpr T &operator[](std::size_t i) const noexcept { return data_[i]; }
+
+private:
+    T *data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+/// What a call answered. True unless it is an error.
+class [[nodiscard]] Status {
+public:
+    constexpr Status(scanseg_status code) noexcept : code_(code) {}
+    constexpr scanseg_status code() const noexcept { return code_; }
+    constexpr explicit operator bool() const noexcept { return code_ >= 0; }
+    const char *what() const noexcept { return scanseg_strerror(code_); }
+
+private:
+    scanseg_status code_;
+};
+
+#ifdef SCANSEG_EXCEPTIONS
+/// An error, where exceptions are wanted.
+class Error : public std::runtime_error {
+public:
+    explicit Error(Status status) : std::runtime_error(status.what()), code(status.code()) {}
+    scanseg_status code;
+};
+#endif
+
+/// A configuration with the defaults.
+struct Config : scanseg_config {
+    Config() noexcept : scanseg_config() { scanseg_config_init(this, sizeof(scanseg_config), SCANSEG_ABI_VERSION); }
+    /// Name of the first field that cannot be used, nullptr if there is none.
+    const char *bad_field() const noexcept { return scanseg_bad_field(this); }
+};
+
+/// The plane of a segment.
+inline Status fit_plane(const scanseg_event &segment, scanseg_plane &plane) noexcept {
+    return scanseg_fit_plane(&segment, &plane);
+}
+
+/// A segmenter with its memory. Can be moved, not copied. Results stay until the next call.
+class Segmenter {
+public:
+    /// None yet: every call answers with an error.
+    Segmenter() noexcept = default;
+
+    /// See status() for whether it could be made.
+    explicit Segmenter(const Config &config) { made_ = checked(make(config)); }
+
+    /// How it was made.
+    Status status() const noexcept { return made_; }
+
+    /// Takes the next row; see scanseg_push_row.
+    Status push_row(Span<const float> ranges_m, float turn_rad = 0) {
+        clear();
+        return checked(scanseg_push_row(get(), ranges_m.data(), ranges_m.size(), turn_rad, &output_));
+    }
+
+    /// Ends the scan; see scanseg_finish.
+    Status finish() {
+        clear();
+        return checked(scanseg_finish(get(), &output_));
+    }
+
+    /// Drops what was pushed; see scanseg_reset.
+    Status reset() {
+        clear();
+        return checked(scanseg_reset(get()));
+    }
+
+    /// Labels that the last call has given out, rows() of them, row after row.
+    Span<const std::uint32_t> labels() const noexcept { return {labels_.get(), rows() * columns_}; }
+    /// Number of the first of these rows.
+    std::size_t first_row() const noexcept { return output_.first_row; }
+    std::size_t rows() const noexcept { return memory_ ? output_.row_count : 0; }
+    std::size_t columns() const noexcept { return columns_; }
+    /// Joins and segments that the last call has found. There is room for all that one call can bring.
+    Span<const scanseg_event> events() const noexcept { return {events_.get(), memory_ ? output_.event_count : 0}; }
+    /// All that the last call has given out.
+    const scanseg_output &output() const noexcept { return output_; }
+
+    /// For the functions of scanseg.h; nullptr if it could not be made.
+    scanseg_segmenter *get() const noexcept { return reinterpret_cast<scanseg_segmenter *>(memory_.get()); }
+
+private:
+    scanseg_status make(const Config &config) noexcept {
+        std::size_t size = 0;
+        scanseg_status status = scanseg_state_size(&config, &size);
+        if (status < 0) return status;
+        columns_ = config.columns;
+        output_.struct_size = sizeof output_;
+        output_.label_capacity = SCANSEG_LATENCY_ROWS * columns_;
+        output_.event_capacity = SCANSEG_MAX_EVENTS(columns_);
+        memory_.reset(new (std::nothrow) std::max_align_t[size / sizeof(std::max_align_t) + 1]);
+        labels_.reset(new (std::nothrow) std::uint32_t[output_.label_capacity]);
+        events_.reset(new (std::nothrow) scanseg_event[output_.event_capacity]);
+        output_.labels = labels_.get();
+        output_.events = events_.get();
+        status = labels_ && events_ ? SCANSEG_OK : SCANSEG_ERROR_NULL;
+        scanseg_segmenter *made = nullptr;
+        if (status == SCANSEG_OK) status = scanseg_init(memory_.get(), size, &config, &made);
+        if (status < 0) memory_.reset();
+        return status;
+    }
+
+    void clear() noexcept { output_.row_count = 0, output_.event_count = 0; }
+
+    static Status checked(Status status) {
+#ifdef SCANSEG_EXCEPTIONS
+        if (!status) throw Error(status);
+#endif
+        return status;
+    }
+
+    std::unique_ptr<std::max_align_t[]> memory_;
+    std::unique_ptr<std::uint32_t[]> labels_;
+    std::unique_ptr<scanseg_event[]> events_;
+    std::size_t columns_ = 0;
+    scanseg_output output_ = {};
+    Status made_ = SCANSEG_ERROR_NULL;
+};
+
+static_assert(alignof(std::max_align_t) >= SCANSEG_STATE_ALIGN, "memory from new would not be aligned");
+
+} // namespace scanseg
+
+#endif

@@ -1,0 +1,227 @@
+//! What a call gives out: labels and events, into arrays of the caller.
+
+use core::ffi::c_void;
+use core::ops::ControlFlow;
+
+use scanseg_core::{Join, LabelRow, Moments, Pixel, Segment, Sink};
+
+use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_NO_PLANE, SCANSEG_OK, Status};
+use crate::{check_pointer, check_struct};
+
+/// A pixel: nothing was measured.
+pub const SCANSEG_NO_RETURN: u32 = 0;
+/// A pixel: part of an edge; of the approaches by plane and region: on no surface.
+pub const SCANSEG_ON_EDGE: u32 = 0xFFFF_FFFF;
+/// A pixel: part of an area that got no label, because the table of live labels was full.
+pub const SCANSEG_UNLABELLED: u32 = 0xFFFF_FFFE;
+
+/// `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
+pub const SCANSEG_JOIN: u32 = 1;
+/// `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined with another one that
+/// turns out to be a part of the same surface; then it is given again when that is complete, and the later one counts.
+pub const SCANSEG_SEGMENT: u32 = 2;
+
+/// Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the others are not.
+pub const SCANSEG_LATENCY_ROWS: usize = 3;
+
+/// Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set, the rest is 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Event {
+    /// `SCANSEG_JOIN` or `SCANSEG_SEGMENT`.
+    pub kind: u32,
+    /// The segment's label, or the label that ends here. Labels count up from 1 and are never used twice within a scan.
+    pub label: u32,
+    /// Join: the label that goes on.
+    pub into: u32,
+    /// Segment: number of its pixels.
+    pub pixels: u32,
+    /// Segment: first row with a pixel of it.
+    pub first_row: u16,
+    /// Segment: last row with a pixel of it.
+    pub last_row: u16,
+    /// Segment: leftmost column with a pixel of it. Across the seam of a wrapped image: 0.
+    pub first_column: u16,
+    /// Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last one.
+    pub last_column: u16,
+    /// Segment: sums of x, y, z over its points, in units of 1/4096 m.
+    pub first_moments: [i64; 3],
+    /// Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See `scanseg_fit_plane`.
+    pub second_moments: [i64; 6],
+}
+
+/// The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneFit {
+    /// Mean of the points, metres.
+    pub centroid_m: [f32; 3],
+    /// Unit normal towards the scanner.
+    pub normal: [f32; 3],
+    /// Distance of the plane from the scanner, metres; not negative.
+    pub distance_m: f32,
+    /// Root of the mean squared distance of the points from the plane, metres.
+    pub rms_m: f32,
+    /// Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and m^2. Of rank 3.
+    pub covariance: [[f32; 4]; 4],
+}
+
+/// Called with each event while a call runs: `user` is that of the output, the event lives for the call. Answer 0 to go on,
+/// anything else to drop the scan. It must return (no exception, no longjmp), and must not use the segmenter.
+pub type OnEvent = Option<unsafe extern "C" fn(user: *mut c_void, event: *const Event) -> i32>;
+
+/// Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set what you want, and use it
+/// for all calls. Everything may be left out: without labels and events only the callback is told, and so on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Output {
+    /// `sizeof(scanseg_output)`.
+    pub struct_size: u32,
+    /// Given out: number of the first row of `labels`.
+    pub first_row: u32,
+    /// For the labels, one per pixel, row after row: the label of a segment, `SCANSEG_NO_RETURN`, `SCANSEG_ON_EDGE` or
+    /// `SCANSEG_UNLABELLED`. NULL: no labels.
+    pub labels: *mut u32,
+    /// Elements of `labels`: at least `columns` for `scanseg_push_row`, and with `SCANSEG_EDGE`
+    /// `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`.
+    pub label_capacity: usize,
+    /// For the events, in their order. NULL: no events.
+    pub events: *mut Event,
+    /// Elements of `events`; `SCANSEG_MAX_EVENTS(columns)` always suffice.
+    pub event_capacity: usize,
+    /// Called with each event; or NULL. Needs no array.
+    pub on_event: OnEvent,
+    /// For the callback.
+    pub user: *mut c_void,
+    /// Given out: events in `events`.
+    pub event_count: usize,
+    /// Given out: events that did not fit.
+    pub events_lost: usize,
+    /// Given out: rows in `labels`, or that would be if there were `labels`.
+    pub row_count: u32,
+    /// Given out: pixels in these rows that got no label, because the table of live labels was full.
+    pub unlabelled: u32,
+    /// Given out by `scanseg_finish`: rows of the scan.
+    pub scan_rows: u32,
+}
+
+/// Takes the results of one call.
+pub(crate) struct Collector {
+    to: *mut Output,
+    output: Output,
+}
+
+impl Collector {
+    /// Checks an output for a call that gives out up to `rows` rows.
+    ///
+    /// # Safety
+    /// `output` is NULL or points to `struct_size` bytes, its arrays have as many elements as it says, nothing of them
+    /// overlaps, and all stay until the collector is done.
+    pub unsafe fn new(to: *mut Output, rows: usize, columns: usize) -> Result<Collector, Status> {
+        // SAFETY: the caller's promise; no more than the size is read before that is checked.
+        let mut output = unsafe {
+            check_struct(to, &raw const (*to).struct_size)?;
+            to.read()
+        };
+        if !output.labels.is_null() {
+            check_pointer(output.labels)?;
+            if output.label_capacity < rows * columns {
+                return Err(SCANSEG_ERROR_LABELS_SIZE);
+            }
+        }
+        if output.event_capacity > 0 || !output.events.is_null() {
+            check_pointer(output.events)?;
+        }
+        (output.first_row, output.row_count, output.unlabelled, output.scan_rows) = (0, 0, 0, 0);
+        (output.event_count, output.events_lost) = (0, 0);
+        Ok(Collector { to, output })
+    }
+
+    /// Tells the caller how much there is.
+    pub fn done(mut self, scan_rows: usize) -> Status {
+        self.output.scan_rows = scan_rows as u32;
+        // SAFETY: `new` has read from there, and its caller promised that it stays.
+        unsafe { self.to.write(self.output) };
+        if self.output.events_lost > 0 { SCANSEG_EVENTS_FULL } else { SCANSEG_OK }
+    }
+
+    fn event(&mut self, event: &Event) -> ControlFlow<()> {
+        let out = &mut self.output;
+        if out.event_count < out.event_capacity {
+            // SAFETY: `new` has checked the pointer, and its caller promised the capacity.
+            unsafe { out.events.add(out.event_count).write(*event) };
+            out.event_count += 1;
+        } else if !out.events.is_null() {
+            out.events_lost += 1;
+        }
+        let Some(on_event) = out.on_event else { return ControlFlow::Continue(()) };
+        // SAFETY: the caller gave this function for this use; the event lives for the call.
+        match unsafe { on_event(out.user, event) } {
+            0 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        }
+    }
+}
+
+impl Sink for Collector {
+    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
+        let out = &mut self.output;
+        if out.row_count == 0 {
+            out.first_row = row.row() as u32;
+        }
+        let from = out.row_count as usize * row.columns();
+        out.row_count += 1;
+        for (column, pixel) in row.pixels().enumerate() {
+            let label = match pixel {
+                Pixel::NoReturn => SCANSEG_NO_RETURN,
+                Pixel::Edge => SCANSEG_ON_EDGE,
+                Pixel::Segment(label) => label.0,
+                Pixel::Unlabelled => {
+                    out.unlabelled += 1;
+                    SCANSEG_UNLABELLED
+                }
+            };
+            if !out.labels.is_null() && from + column < out.label_capacity {
+                // SAFETY: `new` has checked the pointer, and its caller promised the capacity.
+                unsafe { out.labels.add(from + column).write(label) };
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        self.event(&Event { kind: SCANSEG_JOIN, label: join.from.0, into: join.into.0, ..Event::default() })
+    }
+
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        self.event(&Event {
+            kind: SCANSEG_SEGMENT,
+            label: segment.label.0,
+            into: 0,
+            pixels: segment.pixels(),
+            first_row: segment.first_row,
+            last_row: segment.last_row,
+            first_column: segment.first_column,
+            last_column: segment.last_column,
+            first_moments: segment.moments.first,
+            second_moments: segment.moments.second,
+        })
+    }
+}
+
+/// The plane of an event's moments.
+pub(crate) fn fit_plane(event: &Event) -> Result<PlaneFit, Status> {
+    // sums that no segment has
+    if event.first_moments.contains(&i64::MIN) {
+        return Err(SCANSEG_NO_PLANE);
+    }
+    let moments = Moments { points: event.pixels, first: event.first_moments, second: event.second_moments };
+    let plane = moments.plane().ok_or(SCANSEG_NO_PLANE)?;
+    Ok(PlaneFit {
+        centroid_m: moments.centroid_m().unwrap_or_default(),
+        normal: plane.normal,
+        distance_m: plane.distance_m,
+        rms_m: plane.rms_m,
+        covariance: plane.covariance,
+    })
+}

@@ -1,0 +1,207 @@
+//! What comes out for C is what the core finds.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use common::{APPROACHES, COLUMNS, ROWS, Session, nodding, room_m, state_size};
+use scanseg_capi::*;
+use scanseg_core::{
+    Area, Beams, Columns, EdgeSegmenter, Finished, Join, LabelRow, Memory, Pixel, PlaneSegmenter, RegionSegmenter,
+    Segment, Sink, Sizes, TurnAxis,
+};
+
+#[derive(Default)]
+struct Collected {
+    labels: Vec<u32>,
+    joins: Vec<(u32, u32)>,
+    segments: Vec<Segment>,
+}
+
+impl Sink for Collected {
+    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
+        self.labels.extend(row.pixels().map(|pixel| match pixel {
+            Pixel::NoReturn => 0,
+            Pixel::Edge => 0xFFFF_FFFF,
+            Pixel::Unlabelled => 0xFFFF_FFFE,
+            Pixel::Segment(label) => label.0,
+        }));
+        ControlFlow::Continue(())
+    }
+
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        self.joins.push((join.from.0, join.into.0));
+        ControlFlow::Continue(())
+    }
+
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        self.segments.push(*segment);
+        ControlFlow::Continue(())
+    }
+}
+
+/// The core's own answer, with the paper's settings.
+fn by_core(approach: u32, beams: Beams<'_>, areas: usize, rows: &[Vec<f32>]) -> Collected {
+    let config = scanseg_core::Config::paper();
+    let sizes = Sizes::of(COLUMNS, &config);
+    let (mut ranges, mut bearings) = (vec![0.0; sizes.ranges], vec![0; sizes.bearings]);
+    let (mut words, mut areas) = (vec![0; sizes.words], vec![Area::EMPTY; areas]);
+    let memory = Memory { ranges: &mut ranges, bearings: &mut bearings, words: &mut words, areas: &mut areas };
+    let mut found = Collected::default();
+    macro_rules! run {
+        ($segmenter:ident) => {{
+            let mut segmenter = $segmenter::new(config, beams, COLUMNS, memory).unwrap();
+            for (row, ranges_m) in rows.iter().enumerate() {
+                segmenter.push_row(ranges_m, turn_rad(row), &mut found).unwrap();
+            }
+            assert!(matches!(segmenter.finish(&mut found), Finished::Complete { .. }));
+        }};
+    }
+    match approach {
+        SCANSEG_PLANE => run!(PlaneSegmenter),
+        SCANSEG_EDGE => run!(EdgeSegmenter),
+        _ => run!(RegionSegmenter),
+    }
+    found
+}
+
+fn turn_rad(row: usize) -> f32 {
+    0.01 * row as f32 - 0.2
+}
+
+/// Two scans; gives the labels.
+fn compare(config: &Config, beams: Beams<'_>, noise: f32) -> Vec<u32> {
+    let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();
+    let all = Sizes::of(COLUMNS, &scanseg_core::Config::paper()).areas;
+    let areas = if config.max_labels == 0 { all } else { config.max_labels as usize };
+    let core = by_core(config.approach, beams, areas, &rows);
+    let mut session = Session::new(config);
+    for scan in 0..if cfg!(miri) { 1 } else { 2 } {
+        for (row, ranges_m) in rows.iter().enumerate() {
+            assert_eq!(session.push(ranges_m, turn_rad(row)), SCANSEG_OK);
+        }
+        assert_eq!(session.finish(), SCANSEG_OK);
+        assert_eq!(session.labels, core.labels, "scan {scan}");
+        let joins: Vec<_> =
+            session.events.iter().filter(|e| e.kind == SCANSEG_JOIN).map(|e| (e.label, e.into)).collect();
+        assert_eq!(joins, core.joins);
+        let segments: Vec<_> = session.events.iter().filter(|e| e.kind == SCANSEG_SEGMENT).collect();
+        assert_eq!(segments.len(), core.segments.len());
+        for (event, segment) in segments.iter().zip(&core.segments) {
+            assert_eq!((event.label, event.pixels), (segment.label.0, segment.pixels()));
+            assert_eq!(
+                (event.first_row, event.last_row, event.first_column, event.last_column),
+                (segment.first_row, segment.last_row, segment.first_column, segment.last_column)
+            );
+            let mut fit = PlaneFit::default();
+            // SAFETY: references.
+            let status = unsafe { scanseg_fit_plane(*event, &mut fit) };
+            let Some(plane) = segment.plane() else {
+                assert_eq!((status, fit), (SCANSEG_NO_PLANE, PlaneFit::default()));
+                continue;
+            };
+            assert_eq!((status, fit.centroid_m), (SCANSEG_OK, segment.centroid_m()));
+            assert_eq!((fit.normal, fit.distance_m, fit.rms_m), (plane.normal, plane.distance_m, plane.rms_m));
+            assert_eq!(fit.covariance, plane.covariance);
+        }
+        assert!(!core.segments.is_empty());
+        assert_eq!(session.reset(), SCANSEG_OK);
+    }
+    core.labels
+}
+
+const EVEN: Columns<'_> = Columns::Even { start_rad: -0.9, step_rad: 0.01 };
+
+#[test]
+fn nodding_as_the_core() {
+    for approach in APPROACHES {
+        for (beams, axis) in [(SCANSEG_NODDING_Y, TurnAxis::Y), (SCANSEG_NODDING_Z, TurnAxis::Z)] {
+            if cfg!(miri) && beams != SCANSEG_NODDING_Y {
+                continue;
+            }
+            compare(&Config { beams, ..nodding(approach) }, Beams::Nodding { columns: EVEN, axis }, 0.01);
+        }
+    }
+}
+
+#[test]
+fn listed_columns_as_the_core() {
+    let angles_rad: Vec<f32> = (0..COLUMNS).map(|i| 0.01 * i as f32 + 0.003 * (i as f32).sin() - 0.9).collect();
+    for approach in APPROACHES {
+        let mut copy = angles_rad.clone();
+        let config =
+            Config { column_angles_rad: copy.as_mut_ptr(), column_angle_count: COLUMNS as u32, ..nodding(approach) };
+        let columns = Columns::Listed(&angles_rad);
+        compare(&config, Beams::Nodding { columns, axis: TurnAxis::Y }, 0.01);
+        // the list need not stay: it is copied
+        let mut session = Session::new(&config);
+        copy.fill(f32::NAN);
+        drop(copy);
+        assert_eq!(session.push(&room_m(0, COLUMNS, 0.0), 0.0), SCANSEG_OK);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "slow")]
+fn spinning_as_the_core() {
+    let step_rad = std::f32::consts::TAU / COLUMNS as f32;
+    for (approach, wraps) in
+        [(SCANSEG_PLANE, true), (SCANSEG_EDGE, true), (SCANSEG_REGION, true), (SCANSEG_PLANE, false)]
+    {
+        let config = Config {
+            beams: SCANSEG_SPINNING,
+            wraps: wraps.into(),
+            column_start_rad: 0.0,
+            column_step_rad: step_rad,
+            ..nodding(approach)
+        };
+        compare(&config, Beams::Spinning { columns: Columns::Even { start_rad: 0.0, step_rad }, wraps }, 0.01);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "slow")]
+fn a_camera_as_the_core() {
+    for approach in APPROACHES {
+        let [fx_px, fy_px, cx_px, cy_px] = [150.0, 140.0, 90.0, 30.0];
+        let config = Config { beams: SCANSEG_PINHOLE, fx_px, fy_px, cx_px, cy_px, ..nodding(approach) };
+        compare(&config, Beams::Pinhole { fx_px, fy_px, cx_px, cy_px }, 0.01);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "slow")]
+fn few_labels_as_the_core() {
+    for approach in APPROACHES {
+        let config = Config { max_labels: 2, ..nodding(approach) };
+        assert!(state_size(&config).unwrap() < state_size(&nodding(approach)).unwrap());
+        let labels = compare(&config, Beams::Nodding { columns: EVEN, axis: TurnAxis::Y }, 0.01);
+        assert!(labels.contains(&SCANSEG_UNLABELLED) || approach == SCANSEG_PLANE);
+    }
+}
+
+/// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end of another label. Labels
+/// that can end are those that were live before, up to columns / 2 + 1, and those that begin in a row, up to
+/// (columns + 1) / 2; at the end of an edge-based scan three rows are decided in one call. That is not above the bound.
+#[test]
+#[cfg_attr(miri, ignore = "slow")]
+fn events_of_one_call_stay_within_the_bound() {
+    for approach in APPROACHES {
+        let mut most = 0;
+        for (gap, noise) in [(2, 0.0), (2, 3.0), (3, 1.0), (usize::MAX, 0.1), (usize::MAX, 3.0)] {
+            let mut session = Session::new(&nodding(approach));
+            for row in 0..ROWS {
+                // combs whose teeth move, so that as many areas as possible begin and end in each row
+                let mut ranges_m = room_m(row, COLUMNS, noise);
+                for range_m in ranges_m.iter_mut().skip(row % 2).step_by(gap) {
+                    *range_m = 0.0;
+                }
+                assert_eq!(session.push(&ranges_m, turn_rad(row)), SCANSEG_OK);
+            }
+            assert_eq!(session.finish(), SCANSEG_OK);
+            most = most.max(session.most_events);
+        }
+        println!("approach {approach}: {most} events at most, in {COLUMNS} columns");
+        assert!(most > COLUMNS / 20);
+    }
+}

@@ -1,0 +1,157 @@
+#!/usr/bin/env bash
+# The library for C and C++: built, linked, run, and compared with the command. See core/capi.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+capi=$root/core/capi
+out=$root/target/c-library
+lib=$out/lib
+rm -rf "$out/run"
+mkdir -p "$out/run"
+cd "$out/run"
+
+have() { command -v "$1" >/dev/null; }
+quiet() { # runs a command, shows what it says if it fails
+    "$@" >"$out/run/log" 2>&1 || { cat "$out/run/log"; echo "failed: $*"; exit 1; }
+}
+
+"$capi/build.sh" "$lib"
+
+# nothing but our names goes out, and nothing but C's comes in
+names=$(nm -g --defined-only "$lib/libscanseg.a" | awk 'NF == 3 { print $3 }')
+others=$(grep -v '^scanseg_' <<<"$names" || true)
+[ -n "$names" ] && [ -z "$others" ] || { echo "exported: $others"; exit 1; }
+wanted=$(nm -u "$lib/libscanseg.a" | awk '$1 == "U" { print $2 }' | sort | tr '\n' ' ')
+[ "$wanted" = "abort memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
+echo "exported: $(wc -l <<<"$names") functions scanseg_*; wanted from C: $wanted"
+
+c="-std=c99 -g -O1 -Wall -Wextra -pedantic -Werror"
+cxx="-std=c++17 -g -O1 -Wall -Wextra -pedantic -Werror -fno-exceptions -fno-rtti"
+built=0
+for cc in gcc clang; do
+    have $cc && have ${cc/gcc/g}++ || { echo "skipped: $cc is not here"; continue; }
+    for kind in "" -asan; do
+        [ -z "$kind" ] && sanitize="" || sanitize="-fsanitize=address,undefined -fno-sanitize-recover=all"
+        # shellcheck disable=SC2086
+        {
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/tests/smoke.c" "$lib/libscanseg.a" -o smoke-$cc$kind
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/segment_pgm.c" "$lib/libscanseg.a" -lm \
+                -o segment_pgm-$cc$kind
+            quiet ${cc/gcc/g}++ $cxx $sanitize -I"$capi/include" "$capi/examples/organised_cloud.cpp" \
+                "$lib/libscanseg.a" -o organised_cloud-$cc$kind
+            quiet ${cc/gcc/g}++ ${cxx/-fno-exceptions -fno-rtti/-DSCANSEG_EXCEPTIONS} $sanitize -I"$capi/include" \
+                "$capi/tests/smoke.cpp" "$lib/libscanseg.a" -o smoke_cpp-$cc$kind
+        }
+        for program in smoke smoke_cpp organised_cloud; do
+            quiet "./$program-$cc$kind"
+        done
+    done
+    built=$((built + 1))
+    echo "$cc: built without warnings; runs, also with AddressSanitizer"
+done
+[ $built -gt 0 ] || { echo "skipped: no C compiler"; exit 0; }
+
+if have valgrind; then
+    for program in {smoke,smoke_cpp,organised_cloud}-{gcc,clang}; do
+        [ -x $program ] || continue
+        quiet valgrind --error-exitcode=9 --leak-check=full ./$program
+    done
+    echo "valgrind: no errors"
+else
+    echo "skipped: valgrind is not here"
+fi
+
+# Installed, and found by CMake and by pkg-config.
+if have cmake && have g++; then
+    prefix=$out/run/prefix
+    quiet cmake -S "$capi" -B "$out/cmake" -DCMAKE_INSTALL_PREFIX="$prefix"
+    quiet cmake --build "$out/cmake"
+    quiet cmake --install "$out/cmake"
+    quiet cmake -S "$capi/examples" -B examples -DCMAKE_PREFIX_PATH="$prefix"
+    quiet cmake --build examples
+    quiet examples/organised_cloud
+    echo "find_package(scanseg): found, linked, runs"
+    if have pkg-config && have make; then
+        mkdir make
+        cp "$capi"/examples/{Makefile,*.c,*.cpp} make
+        PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name scanseg.pc)") quiet make -C make
+        quiet make/organised_cloud
+        echo "pkg-config and make: found, linked, runs"
+    else
+        echo "skipped: pkg-config or make is not here"
+    fi
+else
+    echo "skipped: cmake is not here"
+fi
+
+# Without an operating system or a C library.
+board="-std=c99 -Os -Wall -Wextra -pedantic -Werror -ffreestanding -nostdlib -mcpu=cortex-m4 -I$capi/include
+    -T $capi/examples/bare_metal/mps2_an386.ld $capi/examples/bare_metal/main.c"
+rust_lld=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/gcc-ld/ld.lld
+if ! rustup target add thumbv7em-none-eabihf >/dev/null 2>&1; then
+    echo "skipped: rustup does not give thumbv7em-none-eabihf"
+else
+    "$capi/build.sh" "$lib-thumbv7em" thumbv7em-none-eabihf
+    # shellcheck disable=SC2086
+    {
+        ! have arm-none-eabi-gcc || quiet arm-none-eabi-gcc -mfloat-abi=hard -mfpu=fpv4-sp-d16 $board \
+            "$lib-thumbv7em/libscanseg.a" -o board-gcc.elf
+        ! { have clang && [ -x "$rust_lld" ]; } || quiet clang --target=thumbv7em-none-eabihf --ld-path="$rust_lld" $board \
+            "$lib-thumbv7em/libscanseg.a" -o board-clang.elf
+    }
+    for cc in gcc clang; do
+        [ -f board-$cc.elf ] || { echo "skipped: bare metal: $cc for Arm is not here"; continue; }
+        have qemu-system-arm || { echo "skipped: qemu-system-arm is not here; board-$cc.elf was linked"; continue; }
+        quiet timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config enable=on,target=native \
+            -kernel board-$cc.elf
+        grep '^approach' log | sed "s/^/Cortex-M4F, $cc: /"
+    done
+fi
+
+# The labels of the C example are those of the command.
+scan=$root/../shared/data/tilting-sick-corridor/scan000.range_mm.pgm
+geometry=$root/../shared/data/tilting-sick-corridor/geometry.toml
+if [ ! -f "$scan" ]; then
+    echo "skipped: ../shared/data is not here; a simulated office in its place"
+    (cd "$root" && cargo run --release --quiet -- office --scene 0 --noise-m 0.005 --out "$out/run/office" >/dev/null)
+    scan=$out/run/office/tuning-00.pgm
+    geometry=$out/run/office/geometry.toml
+fi
+number() { sed -n "s/^$1 = \([-0-9.e]*\).*/\1/p" "$geometry"; }
+angle() { sed -n "s/^$1 = {.*$2 = \([-0-9.e]*\).*/\1/p" "$geometry"; }
+settings="unit_m=$(number unit_m) beam_start_deg=$(angle beam_deg start) beam_step_deg=$(angle beam_deg step)
+    turn_start_deg=$(angle turn_deg start) turn_step_deg=$(angle turn_deg step)"
+for limit in range_noise_m min_range_m max_range_m; do
+    value=$(number $limit)
+    settings="$settings ${value:+$limit=$value}"
+done
+for count in $(sed -n 's/^no_return = \[\(.*\)\].*/\1/p' "$geometry" | tr , ' '); do
+    settings="$settings no_return=$count"
+done
+approach=0
+for name in plane edge region; do
+    (cd "$root" && cargo run --release --quiet -- segment "$scan" --geometry "$geometry" --approach $name \
+        --out "$out/run/$name" >/dev/null)
+    for program in segment_pgm-*; do
+        # shellcheck disable=SC2086
+        quiet "./$program" "$scan" "$name.pgm" $settings approach=$approach
+        same=$(cd "$root" && cargo run --quiet -p scanseg-tests --example same_labels -- "$out/run/$name/labels.png" \
+            "$out/run/$name.pgm") || { echo "$program, $name: $same"; exit 1; }
+    done
+    if have valgrind; then
+        # shellcheck disable=SC2086
+        quiet valgrind --error-exitcode=9 --leak-check=full "./$(ls segment_pgm-* | grep -v asan | head -1)" "$scan" \
+            "$name.pgm" $settings approach=$approach
+    fi
+    echo "labels of the C example and of the command, $name: $same"
+    approach=$((approach + 1))
+done
+
+# The tests of misuse under Miri, as on a 32-bit processor.
+if cargo +nightly miri --version >/dev/null 2>&1; then
+    (cd "$root" && MIRIFLAGS="-Zmiri-strict-provenance -Zmiri-symbolic-alignment-check" quiet cargo +nightly miri test \
+        --quiet -p scanseg-capi --target armv7-unknown-linux-gnueabihf --target-dir "$out/miri")
+    echo "Miri: nothing undefined"
+else
+    echo "skipped: Miri is not here"
+fi
