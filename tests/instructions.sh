@@ -23,17 +23,21 @@ per_point() { # points file kind approach: the difference of two runs and one le
 echo "instructions per point, segments and planes included (callgrind, $(rustc --version | cut -d' ' -f1,2))"
 printf '%-24s %10s %10s\n' "simulated office" "edges" "regions"
 values=()
+by_region=()
 for size in "200 361 nodding" "480 640 spinning" "1024 2048 spinning"; do
     set -- $size
     "$cost" make "$1" "$2" "$3" "$work/scene"
     value=$(per_point $(($1 * $2)) "$work/scene" "$3" edge)
     values+=("$value")
     regions=$(per_point $(($1 * $2)) "$work/scene" "$3" region)
+    by_region+=("$regions")
     printf '%-24s %10s %10s\n' "$2 x $1, $3" "$value" "$regions"
 done
-awk -v a="${values[0]}" -v b="${values[1]}" -v c="${values[2]}" 'BEGIN {
+awk -v a="${values[0]}" -v b="${values[1]}" -v c="${values[2]}" \
+    -v d="${by_region[0]}" -v e="${by_region[1]}" -v f="${by_region[2]}" 'BEGIN {
     if (c > 1.1 * b || c > 1.1 * a) { print "cost per point grows with the image"; exit 1 }
     if (a > 115 || b > 90 || c > 90) { print "cost per point above its ceiling (115, 90, 90)"; exit 1 }
+    if (f > 1.1 * d || d > 280 || e > 240 || f > 190) { print "regions: cost per point above its ceiling (280, 240, 190)"; exit 1 }
 }'
 
 peer=../shared/peers/opencv

@@ -305,6 +305,34 @@ impl<'a> Fan<'a> {
         }
     }
 
+    /// Cosine and sine of the beams of a chunk within their row: the direction of a beam is cos p + sin q + r of its
+    /// [`Frame`].
+    #[inline]
+    pub fn row_lanes(&self, frame: &Frame, from: usize, cos: &mut Lane, sin: &mut Lane) {
+        match &self.beams {
+            Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
+                self.cos_sin(columns, from as isize, cos, sin);
+            }
+            &Beams::Pinhole { fx_px, cx_px, .. } => {
+                let v = frame.p[2];
+                for i in 0..CHUNK {
+                    let u = -((from + i) as f32 - cx_px) / fx_px;
+                    cos[i] = inverse_sqrt(1.0 + u * u + v * v);
+                    sin[i] = u * cos[i];
+                }
+            }
+        }
+    }
+
+    /// The axis about which rows turn as their angle grows, a unit vector; 0 where rows do not turn.
+    pub fn axis(&self) -> [f32; 3] {
+        match self.beams {
+            Beams::Nodding { axis: TurnAxis::Y, .. } => [0.0, -1.0, 0.0],
+            Beams::Nodding { axis: TurnAxis::Z, .. } => [0.0, 0.0, 1.0],
+            _ => [0.0; 3],
+        }
+    }
+
     /// The points that the beams of a chunk hit, in units of [`POINT_UNIT_M`], rounded. `range_m` is 0 where there is no
     /// return.
     #[inline]
@@ -323,19 +351,7 @@ impl<'a> Fan<'a> {
         out: &mut [[T; CHUNK]; 3],
     ) {
         let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
-        match &self.beams {
-            Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
-                self.cos_sin(columns, from as isize, &mut cos, &mut sin);
-            }
-            &Beams::Pinhole { fx_px, cx_px, .. } => {
-                let v = frame.p[2];
-                for i in 0..CHUNK {
-                    let u = -((from + i) as f32 - cx_px) / fx_px;
-                    cos[i] = inverse_sqrt(1.0 + u * u + v * v);
-                    sin[i] = u * cos[i];
-                }
-            }
-        }
+        self.row_lanes(frame, from, &mut cos, &mut sin);
         for (axis, out) in out.iter_mut().enumerate() {
             let [p, q, r] = [frame.p, frame.q, frame.r].map(|along| along[axis] / POINT_UNIT_M);
             for i in 0..CHUNK {
@@ -375,9 +391,9 @@ impl Pair {
 /// Direction of a beam = a p + b q + r, with a and b of its column.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
-    p: [f32; 3],
-    q: [f32; 3],
-    r: [f32; 3],
+    pub p: [f32; 3],
+    pub q: [f32; 3],
+    pub r: [f32; 3],
 }
 
 /// vers of the difference of two column angles `offset` columns apart, if it is the same everywhere.

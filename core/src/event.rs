@@ -4,8 +4,10 @@ use core::fmt;
 use core::ops::{ControlFlow, Range};
 
 use crate::bits::{self, CHUNK};
-use crate::label::Labels;
+use crate::label::{Area, Labels};
 use crate::plane::{Moments, Plane};
+use crate::plane_segmenter::equal_runs;
+use crate::surface::{NONE, Surfaces};
 
 /// The label of an area: 1, 2, 3, ... in the order in which areas begin. Never used twice within a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -125,6 +127,15 @@ impl<'a> EdgeRow<'a> {
     }
 }
 
+/// The runs of a row and their labels, as each approach has them.
+#[derive(Clone, Copy)]
+pub(crate) enum RunLabels<'a> {
+    /// Packed: pixels of areas, and pixels that begin a run (empty where no two runs touch); labels by run.
+    Runs { areas: &'a [u32], starts: &'a [u32], labels: &'a Labels<'a> },
+    /// The slot of each pixel's area.
+    Slots { slots: &'a [u16], table: &'a [Area] },
+}
+
 /// A row of labels.
 #[derive(Clone, Copy)]
 pub struct LabelRow<'a> {
@@ -132,11 +143,7 @@ pub struct LabelRow<'a> {
     pub(crate) columns: usize,
     /// Packed: pixels with a return.
     pub(crate) returns: &'a [u32],
-    /// Packed: pixels of areas.
-    pub(crate) areas: &'a [u32],
-    /// Packed: pixels that begin a run; empty where no two runs touch.
-    pub(crate) starts: &'a [u32],
-    pub(crate) labels: &'a Labels<'a>,
+    pub(crate) labels: RunLabels<'a>,
 }
 
 impl<'a> LabelRow<'a> {
@@ -151,12 +158,20 @@ impl<'a> LabelRow<'a> {
     }
 
     /// The runs of area pixels, from the left, each with its label; `None` where the table of labels was full. Of the
-    /// edge-based approach no two touch; of the region-based one each is a line.
+    /// edge-based approach no two touch; of the region-based one each is a line; of the plane approach neighbours differ.
     pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, Option<Label>)> + 'a {
-        let labels = self.labels;
-        bits::touching_runs(self.areas, self.starts, self.columns)
-            .enumerate()
-            .map(move |(i, run)| (run, labels.of_run(i)))
+        let (mut by_run, mut by_slot) = (None, None);
+        match self.labels {
+            RunLabels::Runs { areas, starts, labels } => {
+                let runs = bits::touching_runs(areas, starts, self.columns).enumerate();
+                by_run = Some(runs.map(move |(i, run)| (run, labels.of_run(i))));
+            }
+            RunLabels::Slots { slots, table } => {
+                let runs = equal_runs(slots).filter(|run| slots[run.start] != NONE);
+                by_slot = Some(runs.map(move |run| (run.clone(), Surfaces::label(table, slots[run.start]))));
+            }
+        }
+        by_run.into_iter().flatten().chain(by_slot.into_iter().flatten())
     }
 
     /// All pixels, from the left.

@@ -36,17 +36,17 @@ pub(crate) const fn frontier_words(columns: usize) -> usize {
 pub struct Area {
     second: [i64; 6],
     first_low: [u32; 3],
-    points: u32,
+    pub(crate) points: u32,
     /// Label; in a free slot the next free slot.
-    label: u32,
+    pub(crate) label: u32,
     first_high: [i16; 3],
     /// Runs of the frontier that refer to this slot itself.
     runs: u16,
-    first_row: u16,
+    pub(crate) first_row: u16,
     first_column: u16,
     last_column: u16,
     /// This slot itself for an area, else the slot that it was joined into.
-    link: u16,
+    pub(crate) link: u16,
 }
 
 impl Area {
@@ -70,6 +70,40 @@ impl Area {
         Moments { points: self.points, first, second: self.second }
     }
 
+    /// A new area whose first pixel is this one; `slot` is where it stands in its table.
+    pub(crate) fn begin(label: u32, row: u16, column: u16, slot: u16) -> Area {
+        Area { label, first_row: row, first_column: column, last_column: column, link: slot, ..Area::EMPTY }
+    }
+
+    /// Takes a run of a row.
+    pub(crate) fn take(&mut self, run: &Range<usize>, moments: &Moments, exact: u32) {
+        self.first_column = self.first_column.min(run.start as u16);
+        self.last_column = self.last_column.max(run.end as u16 - 1);
+        self.add(moments, exact);
+    }
+
+    /// Takes all of another area. The smaller label stays.
+    pub(crate) fn absorb(&mut self, other: &Area, exact: u32) -> Join {
+        let join = Join { from: Label(self.label.max(other.label)), into: Label(self.label.min(other.label)) };
+        self.label = join.into.0;
+        self.first_row = self.first_row.min(other.first_row);
+        self.first_column = self.first_column.min(other.first_column);
+        self.last_column = self.last_column.max(other.last_column);
+        self.add(&other.moments(), exact);
+        join
+    }
+
+    pub(crate) fn segment(&self, last_row: u16) -> Segment {
+        Segment {
+            label: Label(self.label),
+            first_row: self.first_row,
+            last_row,
+            first_column: self.first_column,
+            last_column: self.last_column,
+            moments: self.moments(),
+        }
+    }
+
     /// `exact` is the number of points up to which no sum can overflow.
     fn add(&mut self, more: &Moments, exact: u32) {
         let mut sum = self.moments();
@@ -85,9 +119,9 @@ impl Area {
     }
 }
 
-/// How an approach lets areas grow, run by run.
+/// How an approach lets areas grow, run by run. One that `TAKES_ALL` needs `moments` only.
 pub(crate) trait Growth {
-    /// Whether areas take every run that touches them, so that those of a run are one.
+    /// Whether areas take every run that touches them, so that those that touch one run are one.
     const TAKES_ALL: bool = false;
 
     /// The next run of the row.
@@ -96,7 +130,7 @@ pub(crate) trait Growth {
     }
 
     /// Whether an area of the row above, which the run touches, takes the run, and how well: of several the one that takes
-    /// it best, and of equal ones the first, gets it.
+    /// it best, and of equal ones the leftmost, gets it.
     fn takes(&mut self, area: &Area) -> Option<u32> {
         let _ = area;
         Some(0)
@@ -209,10 +243,7 @@ impl<'a> Labels<'a> {
                 unlabelled += run.len() as u32;
             } else {
                 let (moments, exact) = (growth.moments(run.clone()), self.exact_points);
-                let area = self.area(slot);
-                area.first_column = area.first_column.min(run.start as u16);
-                area.last_column = area.last_column.max(run.end as u16 - 1);
-                area.add(&moments, exact);
+                self.area(slot).take(&run, &moments, exact);
             }
             self.push_run(slot);
             found += 1;
@@ -264,16 +295,7 @@ impl<'a> Labels<'a> {
         let slot = self.free;
         let Some(area) = self.table.get_mut(usize::from(slot)) else { return NONE };
         self.free = area.label as u16;
-        let column = run.start as u16;
-        *area = Area {
-            label: self.next_label,
-            runs: 1,
-            first_row: self.row,
-            first_column: column,
-            last_column: column,
-            link: slot,
-            ..Area::EMPTY
-        };
+        *area = Area { runs: 1, ..Area::begin(self.next_label, self.row, run.start as u16, slot) };
         self.next_label += 1;
         slot
     }
@@ -282,13 +304,7 @@ impl<'a> Labels<'a> {
     fn join<S: Sink>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
         self.area(gone).link = kept;
         let (other, exact) = (*self.area(gone), self.exact_points);
-        let area = self.area(kept);
-        let join = Join { from: Label(area.label.max(other.label)), into: Label(area.label.min(other.label)) };
-        area.label = join.into.0;
-        area.first_row = area.first_row.min(other.first_row);
-        area.first_column = area.first_column.min(other.first_column);
-        area.last_column = area.last_column.max(other.last_column);
-        area.add(&other.moments(), exact);
+        let join = self.area(kept).absorb(&other, exact);
         sink.join(join)
     }
 
@@ -311,14 +327,7 @@ impl<'a> Labels<'a> {
         if area.link != slot {
             return ControlFlow::Continue(());
         }
-        sink.segment(&Segment {
-            label: Label(area.label),
-            first_row: area.first_row,
-            last_row: row.wrapping_sub(1),
-            first_column: area.first_column,
-            last_column: area.last_column,
-            moments: area.moments(),
-        })
+        sink.segment(&area.segment(row.wrapping_sub(1)))
     }
 
     /// After a row: every run refers to the root of its area, and slots that were links are free.

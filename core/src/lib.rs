@@ -36,13 +36,20 @@ mod config;
 mod edge;
 mod error;
 mod event;
+mod fit;
+mod follow;
 mod label;
 mod line;
 mod memory;
+mod piece;
 mod plane;
+mod plane_segmenter;
 mod region;
 mod region_segmenter;
+mod scanline;
 mod segmenter;
+mod surface;
+mod turn;
 
 pub use beam::{BeamAngle, Beams, Columns, MIN_BEAM_ANGLE_RAD, POINT_UNIT_M, TurnAxis};
 pub use bearing::{COUNTS_PER_RAD, MAX_ERROR_RAD, Row, bearing_angle_rad, bearing_row};
@@ -52,6 +59,7 @@ pub use event::{EdgeRow, Join, Label, LabelRow, Pixel, Segment, Sink};
 pub use label::{Area, live_labels};
 pub use memory::{Buffers, Memory, Sizes};
 pub use plane::{Moments, Plane};
+pub use plane_segmenter::PlaneSegmenter;
 pub use region_segmenter::RegionSegmenter;
 pub use segmenter::{EdgeSegmenter, Finished, LATENCY_ROWS, MAX_COLUMNS, MAX_ROWS, Status};
 

@@ -61,15 +61,17 @@ impl Turns {
     fn at(&self, before: [f32; 3], here: [f32; 3], after: [f32; 3]) -> Turn {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let minus = |a: [f32; 3], b: [f32; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+        let cross = |a: [f32; 3], b: [f32; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
         let (a, b, span) = (minus(here, before), minus(after, here), minus(after, before));
-        let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
-        let squares = aa * bb;
-        let (deep, range_square) = (dot(span, here), dot(here, here));
-        // |span|^2 and the part of it across the beam, both times r^2
-        let across = (dot(span, span) * range_square - deep * deep).max(0.0);
+        let (squares, ab, range_square) = (dot(a, a) * dot(b, b), dot(a, b), dot(here, here));
+        // cross products, for spikes between beams that almost coincide are thin, and steps almost along the beam: how far
+        // the point is off the chord, times its length; and the chord's part across the beam, times the range
+        let (off, across) = (cross(a, b), cross(span, here));
+        let (off, across) = (dot(off, off), dot(across, across));
         let turned = (ab < 0.0) | (ab * ab < self.cos_square * squares);
-        // a fold by almost 180 deg leaves a sine that rounding can make negative
-        let beyond_noise = (squares - ab * ab).max(0.0) * range_square >= self.noise_square_m2 * across;
+        let beyond_noise = off * range_square >= self.noise_square_m2 * across;
         // a chord that is k times as long reaches k times as far across the beam
         let (reached, reach) = (0.25 * across, self.reach_square_m2 * range_square);
         let short = [1.0, 4.0, 16.0, 64.0].map(|k_square| u16::from(k_square * reached < reach));

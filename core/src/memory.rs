@@ -4,6 +4,7 @@ use crate::bits::{CHUNK, words};
 use crate::config::{Config, Trace};
 use crate::error::ConfigError;
 use crate::label::{Area, frontier_words, live_labels};
+use crate::plane_segmenter::{numbers_len, slots_len};
 use crate::segmenter::LATENCY_ROWS;
 
 /// The memory that a segmenter works in. What it holds before does not matter; longer slices than [`Sizes`] asks for are
@@ -58,6 +59,10 @@ pub(crate) const fn padded_row(columns: usize) -> usize {
     words(columns) * CHUNK + 2
 }
 
+const fn max(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
+
 /// Packed rows in [`Memory::words`].
 pub(crate) const BIT_ROWS: usize = 10;
 
@@ -65,8 +70,8 @@ impl Sizes {
     /// What an image of `columns` columns needs.
     pub const fn of(columns: usize, config: &Config<'_>) -> Sizes {
         Sizes {
-            ranges: stored_rows(config.traces) * columns,
-            bearings: 2 * config.traces.len() * padded_row(columns),
+            ranges: max(stored_rows(config.traces) * columns, numbers_len(columns)),
+            bearings: max(2 * config.traces.len() * padded_row(columns), slots_len(columns)),
             words: BIT_ROWS * words(columns) + frontier_words(columns),
             areas: live_labels(columns),
         }

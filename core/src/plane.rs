@@ -177,7 +177,7 @@ pub struct Plane {
 /// line of a row. Metres throughout.
 ///
 /// The scatter is taken about a whole-number point next to the centroid, exactly, so that nothing cancels however far away
-/// the points are. What f32 then leaves: `squares_m2` to 1e-6 of the largest of them (0.7 mm of a surface with an extent of
+/// the points are. What f32 then leaves: `squares_m2` to 1e-6 of the largest of them (0.6 mm of a surface with an extent of
 /// 1 m to either side), and the normal to the tilts that this allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct QuickPlane {

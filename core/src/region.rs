@@ -10,7 +10,8 @@
 //!
 //! Of several regions that take a line, one with a plane goes before one without, then the one with more points, then
 //! the leftmost. The others that take it too join that one, if each of the two has its centroid within the tolerance of
-//! the other's plane. A line that no region takes begins a region.
+//! the other's plane. Regions whose lines go on with each other across the seam of an image that wraps are one by that rule,
+//! too. A line that no region takes begins a region; a region with more points than its moments have room for takes none.
 
 use core::ops::Range;
 

@@ -8,7 +8,7 @@ use crate::beam::{Beams, Fan, POINT_UNIT_M, RowBeam};
 use crate::bits::{CHUNK, load, mask, pack, store, touching_runs, words};
 use crate::config::Config;
 use crate::error::{ConfigError, PushError};
-use crate::event::{EdgeRow, LabelRow, Sink};
+use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
 use crate::label::{Labels, frontier_words};
 use crate::line::{RowPoints, Turns, find_lines};
 use crate::memory::Memory;
@@ -153,7 +153,8 @@ impl<'a> RegionSegmenter<'a> {
         let (above, here) = (touching_runs(above, above_starts, columns), touching_runs(lines, starts, columns));
         let unlabelled = self.labels.label_row(row, above, here, seam, &mut regions, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
-        sink.row(&LabelRow { row, columns, returns, areas: lines, starts, labels: &self.labels })?;
+        let labels = RunLabels::Runs { areas: lines, starts, labels: &self.labels };
+        sink.row(&LabelRow { row, columns, returns, labels })?;
         ControlFlow::Continue(unlabelled)
     }
 }

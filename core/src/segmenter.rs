@@ -17,7 +17,7 @@ use crate::closing::Shape;
 use crate::config::{Config, MAX_TRACE_ROWS};
 use crate::edge::{Thresholds, bearings, roofs};
 use crate::error::{ConfigError, PushError};
-use crate::event::{EdgeRow, LabelRow, Sink};
+use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
 use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
@@ -359,7 +359,8 @@ impl<'a> EdgeSegmenter<'a> {
         let (above, here) = (runs(before, columns), runs(current, columns));
         let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
-        sink.row(&LabelRow { row: done, columns, returns, areas: current, starts: &[], labels: &self.labels })?;
+        let labels = RunLabels::Runs { areas: current, starts: &[], labels: &self.labels };
+        sink.row(&LabelRow { row: done, columns, returns, labels })?;
         ControlFlow::Continue(Some(unlabelled))
     }
 }
@@ -389,13 +390,13 @@ impl Bearings<'_> {
 }
 
 /// The points of a row, chunk by chunk.
-struct RowPoints<'a> {
-    fan: &'a Fan<'a>,
-    frame: Frame,
-    ranges: &'a [f32],
+pub(crate) struct RowPoints<'a> {
+    pub fan: &'a Fan<'a>,
+    pub frame: Frame,
+    pub ranges: &'a [f32],
     /// The chunk that `points` holds.
-    chunk: usize,
-    points: [[i32; CHUNK]; 3],
+    pub chunk: usize,
+    pub points: [[i32; CHUNK]; 3],
 }
 
 impl Growth for RowPoints<'_> {

@@ -1,7 +1,7 @@
 //! The core alone on one scene, for counting its instructions (`tests/instructions.sh`).
 //!
 //! `cost make ROWS COLUMNS nodding|spinning FILE` writes a scene of the simulated office;
-//! `cost run FILE nodding|spinning edge|region REPEAT` segments it so many times and prints what it found.
+//! `cost run FILE nodding|spinning plane|edge|region REPEAT` segments it so many times and prints what it found.
 //!
 //! A scene file is little endian: u32 rows, u32 columns, f32 column step, f32 row step (radians), then rows x columns f32
 //! ranges in metres, 0 for none; rows and columns centred on straight ahead, the first row up, the first column left.
@@ -17,10 +17,11 @@ fn main() -> Result<(), Box<dyn error::Error>> {
     let args: Vec<String> = env::args().skip(1).collect();
     match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["make", rows, columns, kind, file] => make(rows.parse()?, columns.parse()?, kind, file),
+        ["run", file, kind, "plane", repeat] => run(Approach::Plane, file, kind, repeat.parse()?),
         ["run", file, kind, "edge", repeat] => run(Approach::Edge, file, kind, repeat.parse()?),
         ["run", file, kind, "region", repeat] => run(Approach::Region, file, kind, repeat.parse()?),
         _ => Err(
-            "usage: cost make ROWS COLUMNS nodding|spinning FILE | cost run FILE nodding|spinning edge|region REPEAT"
+            "usage: cost make ROWS COLUMNS nodding|spinning FILE | cost run FILE nodding|spinning plane|edge|region REPEAT"
                 .into(),
         ),
     }

@@ -1,22 +1,28 @@
-//! The paper's two approaches behind one type.
+//! The default segmenter and the paper's two approaches behind one type.
 
 use scanseg_core::{
-    Beams, Config, ConfigError, EdgeSegmenter, Finished, Memory, PushError, RegionSegmenter, Sink, Status,
+    Beams, Config, ConfigError, EdgeSegmenter, Finished, Memory, PlaneSegmenter, PushError, RegionSegmenter, Sink,
+    Status,
 };
+use scanseg_hal::rig::RowSegmenter;
 
-/// Which of the paper's two approaches segments a scan.
+/// What segments a scan: the default, or one of the paper's two approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Approach {
-    /// By edges in bearing-angle images.
+    /// By planes that go on from row to row.
     #[default]
+    Plane,
+    /// By edges in bearing-angle images.
     Edge,
     /// By growing regions from the lines of each row.
     Region,
 }
 
-/// A segmenter of either approach.
+/// A segmenter of any approach.
 #[allow(clippy::large_enum_variant)]
 pub enum Segmenter<'a> {
+    /// By planes.
+    Plane(PlaneSegmenter<'a>),
     /// By edges.
     Edge(EdgeSegmenter<'a>),
     /// By regions.
@@ -36,6 +42,7 @@ impl<'a> Segmenter<'a> {
         memory: Memory<'a>,
     ) -> Result<Segmenter<'a>, ConfigError> {
         Ok(match approach {
+            Approach::Plane => Segmenter::Plane(PlaneSegmenter::new(config, beams, columns, memory)?),
             Approach::Edge => Segmenter::Edge(EdgeSegmenter::new(config, beams, columns, memory)?),
             Approach::Region => Segmenter::Region(RegionSegmenter::new(config, beams, columns, memory)?),
         })
@@ -47,6 +54,7 @@ impl<'a> Segmenter<'a> {
     /// Those of [`EdgeSegmenter::push_row`].
     pub fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
         match self {
+            Segmenter::Plane(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
             Segmenter::Edge(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
             Segmenter::Region(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
         }
@@ -55,8 +63,19 @@ impl<'a> Segmenter<'a> {
     /// See [`EdgeSegmenter::finish`].
     pub fn finish(&mut self, sink: &mut impl Sink) -> Finished {
         match self {
+            Segmenter::Plane(segmenter) => segmenter.finish(sink),
             Segmenter::Edge(segmenter) => segmenter.finish(sink),
             Segmenter::Region(segmenter) => segmenter.finish(sink),
         }
+    }
+}
+
+impl RowSegmenter for Segmenter<'_> {
+    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
+        Segmenter::push_row(self, ranges_m, turn_rad, sink)
+    }
+
+    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
+        Segmenter::finish(self, sink)
     }
 }

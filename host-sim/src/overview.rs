@@ -10,7 +10,7 @@ use crate::picture::{BLACK, Picture, Rgb, bearing_colour, edge_colour, label_col
 const SHEET_WIDTH: usize = 2100;
 
 /// Where there is no return, in the panels of edges and segments.
-const NO_RETURN: Rgb = [190, 205, 225];
+pub(crate) const NO_RETURN: Rgb = [190, 205, 225];
 
 /// What the panels show; every image has the scan's pixels, row by row in scan order.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl View {
     }
 
     /// The picture of `colour(i)` for pixel `i = row * columns + column` of the scan.
-    fn picture(&self, rows: usize, columns: usize, colour: impl Fn(usize) -> Rgb) -> Picture {
+    pub(crate) fn picture(&self, rows: usize, columns: usize, colour: impl Fn(usize) -> Rgb) -> Picture {
         let (height, width) = if self.transpose { (columns, rows) } else { (rows, columns) };
         Picture::from_fn(width, height, |x, y| {
             let x = if self.mirror { width - 1 - x } else { x };
@@ -108,7 +108,7 @@ pub fn truth_and_depth(scan: &RangeImage, geometry: &Geometry, truth: &[u16]) ->
     sheet(&panels.map(|(title, panel)| (title, fitted(panel, SHEET_WIDTH / 2))), 2)
 }
 
-fn range_title(near_m: f32, far_m: f32) -> String {
+pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
     format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue")
 }
 
@@ -121,7 +121,7 @@ fn fitted(picture: Picture, width: usize) -> Picture {
 }
 
 /// The ranges that 2 % of the returns are nearer, farther than; 0 and 1 m where there is none.
-fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
+pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
     let mut ranges_m: Vec<f32> = scan.range_m.iter().copied().filter(|&m| m > 0.0).collect();
     ranges_m.sort_by(f32::total_cmp);
     let at =

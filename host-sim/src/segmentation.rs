@@ -263,10 +263,12 @@ impl Sink for Collected {
         let known = self.joined_into.len() as u32;
         self.joined_into.extend(known..=join.from.0.max(known.saturating_sub(1)));
         self.joined_into[join.from.0 as usize] = join.into.0;
+        self.segments.retain(|segment| segment.label != join.from);
         ControlFlow::Continue(())
     }
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        self.segments.retain(|known| known.label != segment.label);
         self.segments.push(*segment);
         ControlFlow::Continue(())
     }

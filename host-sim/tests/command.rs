@@ -153,14 +153,25 @@ fn every_option_of_the_configuration_is_used() {
     let folder = folder("options");
     small_scan(&folder);
     let options = "--preset paper --range-noise-m 0.02 --min-range-m 1.5 --max-range-m 4 --roof-angle-deg 45 \
-         --step-angle-deg 3 --traces row*3,2x-2,antidiagonal --closing square --approach region --line-angle-deg 7 \
-         --plane-distance-m 0.25";
+         --step-angle-deg 3 --traces row*3,2x-2,antidiagonal --closing square";
     succeeds(&folder, &format!("segment scan.pgm --geometry geometry.toml --out out {options}"));
     let configuration = json(folder.join("out/segments.json"))["header"]["configuration"].clone();
-    let expected = r#"{"approach":"region","closing":"square","line_angle_deg":7.0,"max_range_m":4.0,"min_range_m":1.5,
-        "plane_distance_m":0.25,"range_noise_m":0.02,"roof_angle_deg":45.0,
+    let expected = r#"{"approach":"edge","closing":"square","line_angle_deg":3.0,"max_range_m":4.0,"min_range_m":1.5,
+        "plane_distance_m":0.005,"range_noise_m":0.02,"roof_angle_deg":45.0,
         "step_angle_deg":3.0,"traces":["0x3","2x-2","1x-1"]}"#;
-    assert_eq!(configuration, serde_json::from_str::<Value>(expected).unwrap());
+    let read = |mut configuration: Value| {
+        // rounded: 3 degrees in radians are not 3 degrees any more
+        configuration["line_angle_deg"] = configuration["line_angle_deg"].as_f64().map(f64::round).into();
+        configuration["plane_distance_m"] =
+            configuration["plane_distance_m"].as_f64().map(|m| (1e3 * m).round() / 1e3).into();
+        configuration
+    };
+    assert_eq!(read(configuration), serde_json::from_str::<Value>(expected).unwrap());
+    fails(
+        &folder,
+        "segment scan.pgm --geometry geometry.toml --out o --approach plane --traces row",
+        &["--approach edge"],
+    );
 
     // each of them changes the segments
     let labels = |options: &str| {
@@ -171,6 +182,12 @@ fn every_option_of_the_configuration_is_used() {
         )
     };
     let (plain, _) = labels("");
+    for option in ["--range-noise-m 0.1", "--min-range-m 1.5", "--max-range-m 2", "--max-labels 2", "--preset paper"] {
+        let (changed, header) = labels(option);
+        assert_ne!(changed, plain, "{option}");
+        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
+    }
+    let (plain, _) = labels("--preset paper");
     for option in [
         "--min-range-m 1.5",
         "--max-range-m 2",
@@ -181,7 +198,7 @@ fn every_option_of_the_configuration_is_used() {
         "--max-labels 2",
         "--approach region",
     ] {
-        let (changed, header) = labels(option);
+        let (changed, header) = labels(&format!("--preset paper {option}"));
         assert_ne!(changed, plain, "{option}");
         assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
     }
@@ -310,7 +327,7 @@ fn more_segments_than_labels_png_can_number() {
     let geometry = "version = 1\nunit_m = 0.001\nkind = \"pinhole\"\ndepth = \"range\"\nfx = 300.0\nfy = 300.0\n\
          cx = 185.0\ncy = 185.0\n";
     fs::write(folder.join("geometry.toml"), geometry).unwrap();
-    let arguments = "segment scan.pgm --geometry geometry.toml --out out --min-pixels";
+    let arguments = "segment scan.pgm --geometry geometry.toml --out out --preset paper --min-pixels";
     fails(&folder, &format!("{arguments} 1"), &["scan.pgm", "68450", "65535", "larger --min-pixels"]);
     succeeds(&folder, &format!("{arguments} 2"));
     assert_eq!(json(folder.join("out/segments.json"))["header"]["segments_found"], 68450);
@@ -333,12 +350,12 @@ fn bench_counts_what_segment_finds() {
     let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1");
     assert!(told.contains("median_ns_per_point") && told.contains("points 4550"), "{told}");
 
-    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1 --json --approach region");
+    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1 --json --approach edge");
     let timing: Value = serde_json::from_str(&told).unwrap();
-    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out --approach region");
-    let by_region = json(folder.join("out/segments.json"))["header"].clone();
-    assert_eq!(timing["segments"], by_region["segments_listed"]);
-    assert_ne!(by_region["segments_listed"], header["segments_listed"]);
+    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out --approach edge");
+    let by_edges = json(folder.join("out/segments.json"))["header"].clone();
+    assert_eq!(timing["segments"], by_edges["segments_listed"]);
+    assert_ne!(by_edges["segments_listed"], header["segments_listed"]);
 }
 
 #[test]
@@ -438,7 +455,7 @@ fn bearing_angles_are_those_of_another_program() {
 }
 
 /// Planes that a person finds in the pictures and that a wrong geometry would bend or break: pixels at least, the normal
-/// (to 3 deg) and the distance in metres (to 5 %) of some segment. The baseline of four pixels is for the scanners' noise.
+/// (to 4 deg) and the distance in metres (to 6 %) of some segment. The baseline of four pixels is for the scanners' noise.
 #[test]
 fn recorded_scans_are_segmented() {
     type Seen = (f64, [f64; 3], f64);
@@ -448,13 +465,13 @@ fn recorded_scans_are_segmented() {
             "tilting-sick-corridor",
             "scan000.range_mm.pgm",
             "row*4,column*4",
-            &[(5000.0, [0.0, 1.0, 0.0], 0.978), (3000.0, [0.057, 0.0, 0.998], 0.365)],
+            &[(5000.0, [0.0, 1.0, 0.0], 0.978), (3000.0, [0.057, 0.0, 0.998], 0.355)],
         ),
         (
             "tilting-sick-corridor",
             "scan001.range_mm.pgm",
             "row*4,column*4",
-            &[(5000.0, [0.0, 1.0, 0.0], 0.967), (3000.0, [0.0, 0.0, 1.0], 0.370)],
+            &[(5000.0, [0.0, 1.0, 0.0], 0.967), (3000.0, [0.0, 0.0, 1.0], 0.365)],
         ),
         // the ceiling and a wall
         (
@@ -476,10 +493,11 @@ fn recorded_scans_are_segmented() {
     for (set, scan, traces, seen) in scans {
         let Some(data) = recorded(set) else { continue };
         // a region that misses its line in one row goes on as another: half of the pixels will do
-        for (approach, share) in [("edge", 1.0), ("region", 0.5)] {
+        for (approach, share) in [("plane", 1.0), ("edge", 1.0), ("region", 0.5)] {
             let folder = folder(&format!("{scan}-{approach}"));
             let (scan, geometry) = (data.join(scan), data.join("geometry.toml"));
-            let options = format!("--geometry {} --out . --traces {traces} --approach {approach}", geometry.display());
+            let traces = if approach == "edge" { format!("--traces {traces}") } else { String::new() };
+            let options = format!("--geometry {} --out . {traces} --approach {approach}", geometry.display());
             succeeds(&folder, &format!("segment {} {options}", scan.display()));
             let file = json(folder.join("segments.json"));
             let header = &file["header"];
@@ -490,8 +508,8 @@ fn recorded_scans_are_segmented() {
                     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
                     let along: f64 = (0..3).map(|i| number(&segment["normal"][i]) * normal[i]).sum();
                     number(&segment["pixels"]) >= share * pixels
-                        && along > 3f64.to_radians().cos()
-                        && (number(&segment["distance_m"]) / distance_m - 1.0).abs() < 0.05
+                        && along > 4f64.to_radians().cos()
+                        && (number(&segment["distance_m"]) / distance_m - 1.0).abs() < 0.06
                 });
                 assert!(
                     found,

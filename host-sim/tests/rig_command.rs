@@ -9,7 +9,7 @@ use scanseg_hal::link::{Decoder, Message, Received, SegmentReport};
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_sim::format::RangeImage;
 use scanseg_sim::office::{Scene, Sensor, Set};
-use scanseg_sim::segmentation::Segmentation;
+use scanseg_sim::segmentation::{Approach, Segmentation};
 
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
@@ -99,7 +99,7 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
     let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
     let traces = [Trace::ROW.times(4), Trace::COLUMN.times(4)];
     let config = Config { traces: &traces, ..Config::paper() };
-    let whole = Segmentation::of(&ranges, &scan.geometry, &config, None, || ()).unwrap();
+    let whole = Segmentation::of(&ranges, &scan.geometry, Approach::Edge, &config, None, || ()).unwrap();
     let mut expected: Vec<SegmentReport> = whole.segments.iter().map(SegmentReport::from).collect();
     assert_eq!(found.len(), expected.len());
     found.sort_by_key(|segment| segment.label);

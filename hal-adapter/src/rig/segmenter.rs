@@ -2,7 +2,9 @@
 
 use core::ops::ControlFlow;
 
-use scanseg_core::{EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, RegionSegmenter, Segment, Sink, Status};
+use scanseg_core::{
+    EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PlaneSegmenter, PushError, RegionSegmenter, Segment, Sink, Status,
+};
 use serde::{Deserialize, Serialize};
 
 use super::counters::count;
@@ -21,25 +23,21 @@ pub trait RowSegmenter {
     fn finish(&mut self, sink: &mut impl Sink) -> Finished;
 }
 
-impl RowSegmenter for EdgeSegmenter<'_> {
-    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
-        EdgeSegmenter::push_row(self, ranges_m, turn_rad, sink)
-    }
+macro_rules! row_segmenter {
+    ($($segmenter:ident)*) => {$(
+        impl RowSegmenter for $segmenter<'_> {
+            fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
+                $segmenter::push_row(self, ranges_m, turn_rad, sink)
+            }
 
-    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
-        EdgeSegmenter::finish(self, sink)
-    }
+            fn finish(&mut self, sink: &mut impl Sink) -> Finished {
+                $segmenter::finish(self, sink)
+            }
+        }
+    )*};
 }
 
-impl RowSegmenter for RegionSegmenter<'_> {
-    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
-        RegionSegmenter::push_row(self, ranges_m, turn_rad, sink)
-    }
-
-    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
-        RegionSegmenter::finish(self, sink)
-    }
-}
+row_segmenter!(PlaneSegmenter EdgeSegmenter RegionSegmenter);
 
 /// A scan has begun.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -44,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ranges = RangeImage::from_grey(&image, &geometry)?;
 
     let scan = Scan { name: "simulated office".to_string(), geometry, ranges };
+    arguments.options.check()?;
     let config = arguments.options.config(&scan.geometry);
     let (approach, max_labels) = (arguments.options.approach(), arguments.options.max_labels());
     let (mut files, summary) = segment::segment(&scan, approach, &config, max_labels, &arguments.output)?;

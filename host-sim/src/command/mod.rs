@@ -3,6 +3,7 @@
 mod bench;
 mod demo;
 mod evaluate;
+mod experiment;
 mod listen;
 mod lists;
 mod messages;
@@ -39,6 +40,7 @@ enum Command {
     Bench(bench::Arguments),
     Evaluate(evaluate::Arguments),
     Office(office::Arguments),
+    Experiment(experiment::Arguments),
     Rig(rig::Arguments),
     Replay(replay::Arguments),
     Listen(listen::Arguments),
@@ -67,6 +69,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Office(arguments) => office::run(&arguments),
+        Command::Experiment(arguments) => experiment::run(&arguments),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Listen(arguments) => listen::run(&arguments),

@@ -33,11 +33,20 @@ pub struct Arguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum SetName {
+pub enum SetName {
     /// For choosing parameters
     Tuning,
     /// For measuring what was chosen
     Validation,
+}
+
+impl SetName {
+    pub fn set(self) -> Set {
+        match self {
+            SetName::Tuning => Set::Tuning,
+            SetName::Validation => Set::Validation,
+        }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -51,9 +60,10 @@ enum SensorName {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (set, set_name) = match arguments.set {
-        SetName::Tuning => (Set::Tuning, "tuning"),
-        SetName::Validation => (Set::Validation, "validation"),
+    let set = arguments.set.set();
+    let set_name = match set {
+        Set::Tuning => "tuning",
+        Set::Validation => "validation",
     };
     let sensor = match arguments.sensor {
         SensorName::Nodding => Sensor::nodding(200, 361),

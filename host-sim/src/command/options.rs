@@ -11,11 +11,11 @@ use super::Failure;
 #[derive(Args)]
 pub struct Options {
     /// Settings to start from
-    #[arg(long, value_enum, default_value = "paper")]
+    #[arg(long, value_enum, default_value = "default")]
     preset: Preset,
-    /// Which of the paper's two approaches
-    #[arg(long, value_enum, default_value = "edge")]
-    approach: ApproachOption,
+    /// How the scan is segmented [default: as the other options need it, or that of the preset]
+    #[arg(long, value_enum)]
+    approach: Option<ApproachOption>,
     /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub range_noise_m: Option<f64>,
@@ -51,12 +51,16 @@ pub struct Options {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Preset {
-    /// The paper's method, see Config::paper
+    /// Planes that go on from row to row: right at the noise of real scanners, nothing to set but the noise
+    Default,
+    /// The paper's edge-based method, see Config::paper
     Paper,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum ApproachOption {
+    /// By planes that go on from row to row
+    Plane,
     /// By edges in bearing-angle images
     Edge,
     /// By growing regions from the lines of each row
@@ -74,9 +78,7 @@ enum Closing {
 impl Options {
     /// The configuration for a scan of this geometry.
     pub fn config(&self, geometry: &Geometry) -> Config<'_> {
-        let mut config = match self.preset {
-            Preset::Paper => Config::paper(),
-        };
+        let mut config = Config::paper();
         // The range image already lacks what is outside of the geometry's limits, which for depths along a camera's axis
         // are no limits of the range.
         let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
@@ -110,11 +112,40 @@ impl Options {
         config
     }
 
+    /// The approach that is named, or else the one that the given values belong to, or else that of the preset.
     pub fn approach(&self) -> Approach {
-        match self.approach {
-            ApproachOption::Edge => Approach::Edge,
-            ApproachOption::Region => Approach::Region,
+        match (self.approach, self.preset) {
+            (Some(ApproachOption::Plane), _) => Approach::Plane,
+            (Some(ApproachOption::Edge), _) => Approach::Edge,
+            (Some(ApproachOption::Region), _) => Approach::Region,
+            (None, preset) => match (self.given().next(), preset) {
+                (Some((_, approach)), _) => approach,
+                (None, Preset::Default) => Approach::Plane,
+                (None, Preset::Paper) => Approach::Edge,
+            },
         }
+    }
+
+    /// Refuses a value that the approach does not use.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.given().find(|&(_, approach)| approach != self.approach()) {
+            Some((option, approach)) => Err(format!("{option} needs --approach {}", name(approach)).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The options given that belong to one approach.
+    fn given(&self) -> impl Iterator<Item = (&'static str, Approach)> {
+        [
+            ("--roof-angle-deg", Approach::Edge, self.roof_angle_deg.is_some()),
+            ("--step-angle-deg", Approach::Edge, self.step_angle_deg.is_some()),
+            ("--traces", Approach::Edge, !self.traces.is_empty()),
+            ("--closing", Approach::Edge, self.closing.is_some()),
+            ("--line-angle-deg", Approach::Region, self.line_angle_deg.is_some()),
+            ("--plane-distance-m", Approach::Region, self.plane_distance_m.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(option, approach, given)| given.then_some((option, approach)))
     }
 
     pub fn max_labels(&self) -> Option<usize> {
@@ -142,6 +173,14 @@ fn parse_trace(text: &str) -> Result<Trace, String> {
     let exact = i32::from(long.rows) == i32::from(trace.rows) * i32::from(factor)
         && i32::from(long.columns) == i32::from(trace.columns) * i32::from(factor);
     if factor > 0 && exact { Ok(long) } else { Err(format!("a factor of {factor} is 0 or too long")) }
+}
+
+fn name(approach: Approach) -> &'static str {
+    match approach {
+        Approach::Plane => "plane",
+        Approach::Edge => "edge",
+        Approach::Region => "region",
+    }
 }
 
 /// Names the option that a refused configuration value came from, or else the scan.
@@ -187,10 +226,7 @@ pub struct Configuration {
 impl Configuration {
     pub fn new(approach: Approach, config: &Config<'_>) -> Self {
         Configuration {
-            approach: match approach {
-                Approach::Edge => "edge",
-                Approach::Region => "region",
-            },
+            approach: name(approach),
             range_noise_m: config.range_noise_m,
             min_range_m: config.min_range_m,
             max_range_m: config.max_range_m,

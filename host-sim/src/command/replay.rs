@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use clap::Args;
-use scanseg_core::EdgeSegmenter;
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session, Variant};
 use scanseg_hal::rig::Rig;
 use scanseg_sim::format::capture::{Came, Capture, HEAD};
 use scanseg_sim::format::{Angles, FileError, Geometry, Kind, TurnAxis, write_atomic};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, Segmenter};
 
 use super::messages::Output;
 use super::options::{Options, in_terms_of_options};
@@ -63,10 +62,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let refused = |e: SegmentationError| in_terms_of_options(&name, e);
     let beams = ScanBeams::new(&geometry, rows, columns).map_err(|e| refused(e.into()))?;
+    arguments.options.check()?;
     let config = arguments.options.config(&geometry);
     let mut memory = OwnedMemory::new(columns, &config, arguments.options.max_labels());
-    let segmenter =
-        EdgeSegmenter::new(config, beams.beams(), columns, memory.memory()).map_err(|e| refused(e.into()))?;
+    let segmenter = Segmenter::new(arguments.options.approach(), config, beams.beams(), columns, memory.memory())
+        .map_err(|e| refused(e.into()))?;
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig =
         Rig::new(capture.settings, capture.limits, segmenter, &mut rows_m).map_err(|e| format!("{name}: {e}"))?;

@@ -7,14 +7,13 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use indicatif::ProgressBar;
-use scanseg_core::EdgeSegmenter;
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Settings, Unit, Variant};
 use scanseg_hal::rig::{Rig, TiltLimits};
 use scanseg_sim::format::capture::{self, Capture};
 use scanseg_sim::format::{Kind, RangeImage, write_atomic};
 use scanseg_sim::office::{Scene, Set};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, Segmenter};
 use scanseg_sim::virtual_rig::{Chain, Faults, Motion, scanner_on_tilt};
 
 use super::messages::{Output, counters_line};
@@ -96,10 +95,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let refused = |e: SegmentationError| in_terms_of_options("rig", e);
     let beams = ScanBeams::new(&geometry, 1, COLUMNS).map_err(|e| refused(e.into()))?;
+    arguments.options.check()?;
     let config = arguments.options.config(&geometry);
     let mut memory = OwnedMemory::new(COLUMNS, &config, arguments.options.max_labels());
-    let segmenter =
-        EdgeSegmenter::new(config, beams.beams(), COLUMNS, memory.memory()).map_err(|e| refused(e.into()))?;
+    let segmenter = Segmenter::new(arguments.options.approach(), config, beams.beams(), COLUMNS, memory.memory())
+        .map_err(|e| refused(e.into()))?;
     let mut rows_m = [0.0; 2 * COLUMNS];
     let rig = Rig::new(SETTINGS, LIMITS, segmenter, &mut rows_m)?;
     let motion: Motion = Rc::new(nod);

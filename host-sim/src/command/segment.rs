@@ -44,6 +44,7 @@ pub struct Output {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::read(&arguments.scan, &arguments.geometry)?;
+    arguments.options.check()?;
     let config = arguments.options.config(&scan.geometry);
     let (files, summary) =
         segment(&scan, arguments.options.approach(), &config, arguments.options.max_labels(), &arguments.output)?;
@@ -87,6 +88,7 @@ pub fn segment(
                 ("Edges after closing", &segmentation.closed_edges),
             ]
         }
+        Approach::Plane => &[("Pixels on no plane", &segmentation.closed_edges)],
         Approach::Region => {
             &[("Where lines begin", &segmentation.edges), ("Pixels on no line", &segmentation.closed_edges)]
         }
@@ -151,7 +153,7 @@ pub fn segment(
 }
 
 /// A bar on stderr; nothing is drawn where that is no terminal.
-fn bar(length: usize) -> ProgressBar {
+pub fn bar(length: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("segmenting {wide_bar} {percent} %, {eta} left");
     ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -80,7 +80,7 @@ fn turn(points: [Vector3<f64>; 3], settings: &Settings, doubt: &mut Doubt) -> Tu
     let across_m = (span - here * (span.dot(&here) / here.norm_squared())).norm();
     // the distance from the chord and its standard deviation, both times the length of the chord
     let (off, sigma) = (a.cross(&b).norm(), 1.5f64.sqrt() * settings.range_noise_m * across_m);
-    let cancelled = (span.norm() / across_m).powi(2) * 1e-6 + 1e-3 + 1e-6 / angle_rad.sin().powi(2);
+    let cancelled = (span.norm() / across_m).powi(2) * 1e-6 + 1e-3;
     let turned = doubt.above(angle_rad, settings.line_angle_rad, error_rad);
     let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * farthest_m * (a.norm() + b.norm());
     let no_noise = settings.range_noise_m == 0.0;

@@ -84,7 +84,7 @@ impl Grower<'_> {
         let cos = normal.dot(&point.normalize()).abs();
         let tolerance_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m * cos;
         // one point of a hundred may be rounded to the next unit, and f32 has 5e-7 of the largest square: both tilt the
-        // normal towards the other axes
+        // normal towards the other axes. Twice that, since it is no bound.
         let lever = point - plane.centroid;
         let tilted = |axis: usize| {
             let stiffness = (plane.squares[axis] - plane.squares[0]).max(1e-12);
@@ -92,7 +92,7 @@ impl Grower<'_> {
             tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.settings.range_noise_m)
         };
         let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
-        !self.doubt.above(distance_m, tolerance_m, margin)
+        !self.doubt.above(distance_m, tolerance_m, 2.0 * margin)
     }
 
     /// Whether the way from a region without a plane to a point is a step.

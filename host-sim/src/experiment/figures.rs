@@ -1,0 +1,159 @@
+//! The figures of the paper from the results, numbered as there; and one of the cost.
+
+use super::chart::{Axis, Chart, Curve, Row, Scale, Svg};
+use super::{Counts, Results, TOLERANCES};
+use crate::overview::{NO_RETURN, View, range_title, usual_ranges_m};
+use crate::picture::{Picture, label_colour, range_colour};
+
+/// A figure.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Of its files, without the ending.
+    pub name: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// The picture.
+    pub svg: String,
+    /// Pixels of the PNG per unit of the SVG.
+    pub scale: f32,
+}
+
+/// All figures in order.
+pub fn figures(results: &Results) -> Vec<Figure> {
+    vec![scene(results), correct(results), missed(results), split(results), cost(results)]
+}
+
+/// Fig. 6. Without a mark for edges: what is in no segment is dark.
+fn scene(results: &Results) -> Figure {
+    const TITLE: f64 = 20.0;
+    const GAP: f64 = 8.0;
+    let sample = &results.sample;
+    let scan = &sample.scan;
+    let view = View::of(&sample.geometry, scan.rows, scan.columns);
+    let (near_m, far_m) = usual_ranges_m(scan);
+    let labels = |label: &dyn Fn(usize) -> u32| {
+        let colour = |i: usize| if scan.range_m[i] > 0.0 { label_colour(label(i)) } else { NO_RETURN };
+        view.picture(scan.rows, scan.columns, colour)
+    };
+    let truth = labels(&|i| u32::from(sample.truth[i]));
+    let depth = view.picture(scan.rows, scan.columns, |i| match scan.range_m[i] {
+        0.0 => NO_RETURN,
+        range_m => range_colour(range_m, near_m, far_m),
+    });
+    let mut rows: Vec<Vec<(String, Picture)>> =
+        vec![vec![("ground truth".to_string(), truth), (range_title(near_m, far_m).to_lowercase(), depth)]];
+    for (method, by_noise) in results.methods.iter().zip(&sample.numbers) {
+        let titled = by_noise.iter().zip(&results.noises_mm);
+        rows.push(titled.map(|(n, mm)| (format!("{method}, {}", noise_name(*mm)), labels(&|i| n[i]))).collect());
+    }
+
+    let panel = &rows[0][0].1;
+    let (width, height) = (panel.width() as f64, panel.height() as f64);
+    let across = rows.iter().map(Vec::len).max().unwrap_or(1) as f64;
+    let sheet = (GAP + across * (width + GAP), GAP + rows.len() as f64 * (TITLE + height + GAP));
+    let title = "A simulated office, its depth, and the segments of each method";
+    let mut svg = Svg::new(sheet.0, sheet.1, title);
+    for (j, row) in rows.iter().enumerate() {
+        for (i, (title, picture)) in row.iter().enumerate() {
+            let (x, y) = (GAP + i as f64 * (width + GAP), GAP + j as f64 * (TITLE + height + GAP));
+            svg.text(x, y + TITLE - 7.0, "start", title);
+            svg.picture((x, y + TITLE), (width, height), &picture.to_png());
+        }
+    }
+    let caption = format!(
+        "A sample scene (number {}): ground truth, range, and the output of each method at each level of noise. Grey is \
+         in no segment, pale blue returned nothing.",
+        sample.scene
+    );
+    Figure { name: "scene", caption, svg: svg.finish(), scale: 1.0 }
+}
+
+/// Fig. 7.
+fn correct(results: &Results) -> Figure {
+    let caption = "Correctly segmented regions over the tolerance T: the part that a segment and a truth region must \
+         share of both.";
+    over_tolerance(results, "correct", caption, &[("correct, % of truth regions", |c| c.correct)])
+}
+
+/// Fig. 8.
+fn missed(results: &Results) -> Figure {
+    let caption = "Truth regions that no segment matches (above), and segments that match no truth region (below; they \
+         can be more than there are truth regions).";
+    let classes: [Class; 2] =
+        [("missed, % of truth regions", |c| c.missed), ("noise, % of truth regions", |c| c.noise)];
+    over_tolerance(results, "missed", caption, &classes)
+}
+
+/// Fig. 9.
+fn split(results: &Results) -> Figure {
+    let caption =
+        "Truth regions found as several segments (above), and segments that hold several truth regions (below).";
+    let classes: [Class; 2] = [
+        ("over-segm., % of truth regions", |c| c.over_segmented),
+        ("under-segm., % of truth regions", |c| c.under_segmented),
+    ];
+    over_tolerance(results, "split", caption, &classes)
+}
+
+/// Label of the axis, and what is counted.
+type Class = (&'static str, fn(&Counts) -> usize);
+
+/// A row of panels for each class, a panel for each level of noise, a curve for each method.
+fn over_tolerance(results: &Results, name: &'static str, caption: &str, classes: &[Class]) -> Figure {
+    let row = |&(label, class): &Class| {
+        let curve = |method, noise_mm| {
+            let points = TOLERANCES.map(|percent| {
+                let counts = results.counts(method, noise_mm, percent);
+                (f64::from(percent) / 100.0, counts.percent(class(&counts)))
+            });
+            Curve { style: method, points: points.collect() }
+        };
+        let curves = |&mm: &u32| (0..results.methods.len()).map(|method| curve(method, mm)).collect::<Vec<_>>();
+        let panels: Vec<_> = results.noises_mm.iter().map(curves).collect();
+        let values = panels.iter().flatten().flat_map(|curve| &curve.points).map(|point| point.1);
+        Row { y: Axis::up_to(label, values.fold(0.0, f64::max)), panels }
+    };
+    let chart = Chart {
+        title: caption.to_string(),
+        x: Axis::linear("tolerance T", &[0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
+        columns: results.noises_mm.iter().map(|&mm| noise_name(mm)).collect(),
+        rows: classes.iter().map(row).collect(),
+        panel: (230.0, 190.0),
+        legend: results.methods.iter().map(|name| name.to_string()).collect(),
+        dots: false,
+    };
+    Figure { name, caption: caption.to_string(), svg: chart.svg(), scale: 2.0 }
+}
+
+/// Ours: the paper says O(n) and shows nothing.
+fn cost(results: &Results) -> Figure {
+    let curve = |style| {
+        let costs = results.costs.iter().filter(|cost| cost.method == style);
+        Curve { style, points: costs.map(|cost| (cost.points() as f64, cost.ns_per_point)).collect() }
+    };
+    let curves: Vec<_> = (0..results.methods.len()).map(curve).collect();
+    let most = results.costs.iter().map(|cost| cost.ns_per_point).fold(0.0, f64::max);
+    let caption = "Time per point over the number of points, one scene in several resolutions, on one core. Where a \
+         curve is level, the cost is linear in the number of points; where it falls, less.";
+    let chart = Chart {
+        title: caption.to_string(),
+        x: Axis {
+            label: "points".to_string(),
+            scale: Scale::Logarithmic,
+            span: (8e3, 2.5e6),
+            ticks: [(1e4, "10 000"), (1e5, "100 000"), (1e6, "1 million")]
+                .map(|(x, name)| (x, name.to_string()))
+                .into(),
+        },
+        columns: vec![String::new()],
+        rows: vec![Row { y: Axis::up_to("ns per point", most), panels: vec![curves] }],
+        panel: (480.0, 240.0),
+        legend: results.methods.iter().map(|name| name.to_string()).collect(),
+        dots: true,
+    };
+    Figure { name: "cost", caption: caption.to_string(), svg: chart.svg(), scale: 2.0 }
+}
+
+fn noise_name(noise_mm: u32) -> String {
+    if noise_mm == 0 { "no noise".to_string() } else { format!("{noise_mm} mm noise") }
+}
