@@ -51,12 +51,7 @@ impl Approach {
 }
 
 /// Runs the chain on all that the scanner sends.
-pub fn expected(
-    stream: &[u8],
-    settings: &Settings,
-    approach: Approach,
-    max_labels: Option<usize>,
-) -> Result<Expected> {
+pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labels: Option<usize>) -> Result<Expected> {
     let columns = usize::from(settings.variant.columns());
     let mut memory = OwnedMemory::new(columns, &CONFIG, max_labels);
     let (beams, memory) = (beams(settings.variant), memory.memory());
