@@ -10,6 +10,8 @@
 
 #[cfg(target_os = "none")]
 mod replace;
+#[cfg(target_os = "none")]
+pub use replace::multiplies;
 
 const SIGN: u32 = 1 << 31;
 const IMPLICIT: u32 = 1 << 23;
@@ -132,31 +134,29 @@ fn order(a: u32) -> i32 {
     if a & SIGN == 0 { magnitude } else { -magnitude }
 }
 
+/// Numbers to try the routines with, as bits: with few bits, at all exponents, next to each other, and any.
+pub fn numbers() -> impl FnMut() -> u32 {
+    let mut state = 1u64;
+    let mut last = 0;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let random = (state >> 32) as u32;
+        last = match random % 8 {
+            0 => random & 0xFFF0_0000,
+            1 => last ^ (random & 0x8000_000F),
+            2 => [0, SIGN, 1, IMPLICIT, FRACTION, INFINITY, INFINITY | 1, SIGN | INFINITY][random as usize >> 8 & 7],
+            3 => last.wrapping_add(random >> 3 & 0x0300_0001),
+            // exponents of lengths and angles
+            4..=6 => random & 0x87FF_FFFF | 0x3800_0000,
+            _ => random,
+        };
+        last
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers with few bits, at all exponents, next to each other, and any.
-    fn numbers() -> impl FnMut() -> u32 {
-        let mut state = 1u64;
-        let mut last = 0;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let random = (state >> 32) as u32;
-            last = match random % 8 {
-                0 => random & 0xFFF0_0000,
-                1 => last ^ (random & 0x8000_000F),
-                2 => {
-                    [0, SIGN, 1, IMPLICIT, FRACTION, INFINITY, INFINITY | 1, SIGN | INFINITY][random as usize >> 8 & 7]
-                }
-                3 => last.wrapping_add(random >> 3 & 0x0300_0001),
-                // exponents of lengths and angles
-                4..=6 => random & 0x87FF_FFFF | 0x3800_0000,
-                _ => random,
-            };
-            last
-        }
-    }
 
     #[test]
     fn as_the_processor_of_this_host() {

@@ -3,6 +3,9 @@
 #![no_std]
 #![no_main]
 
+use core::mem::MaybeUninit;
+
+#[cfg(not(feature = "figures"))]
 use m0_float as _;
 #[cfg(not(feature = "region"))]
 use scanseg_core::EdgeSegmenter as Segmenter;
@@ -19,11 +22,26 @@ use scanseg_hal::rig::{Rig, beams};
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 
+/// Makes the session in the memory given. A static that begins with its values would lie in flash as well.
+// Not inlined: on its way there the session is on the stack, which is then free again.
+#[inline(never)]
+fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
+    memory.write(Session::listening(MICROBIT))
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut BUFFERS: buffers!(COLUMNS, CONFIG, MICROBIT_AREAS) = <buffers!(COLUMNS, CONFIG, MICROBIT_AREAS)>::EMPTY;
     static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
-    static mut SESSION: Session = Session::listening(MICROBIT);
+    static mut SESSION: MaybeUninit<Session> = MaybeUninit::uninit();
+    // an image that counts also tries its arithmetic; one that fails says nothing
+    #[cfg(feature = "figures")]
+    if !m0_float::multiplies(20_000) {
+        loop {
+            core::hint::spin_loop();
+        }
+    }
+    let session = new_session(SESSION);
     figures::begin();
     // SAFETY: this is an nRF51, and its UART is taken once.
     let uart = unsafe { Uart::new() };
@@ -33,7 +51,7 @@ fn main() -> ! {
         && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
     {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
-        run(ports, &MICROBIT, SESSION, &mut rig, || figures::send(link));
+        run(ports, &MICROBIT, session, &mut rig, || figures::send(link));
     }
     loop {
         core::hint::spin_loop();

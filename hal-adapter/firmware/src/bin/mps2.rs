@@ -3,6 +3,8 @@
 #![no_std]
 #![no_main]
 
+use core::mem::MaybeUninit;
+
 #[cfg(not(feature = "region"))]
 use scanseg_core::EdgeSegmenter as Segmenter;
 #[cfg(feature = "region")]
@@ -19,11 +21,19 @@ const COLUMNS: usize = MPS2.variant.columns() as usize;
 /// Peripheral clock, 25 MHz, by 50: 500 000 Bd.
 const DIVIDER: u32 = 50;
 
+/// Makes the session in the memory given. A static that begins with its values would lie in flash as well.
+// Not inlined: on its way there the session is on the stack, which is then free again.
+#[inline(never)]
+fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
+    memory.write(Session::listening(MPS2))
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut BUFFERS: buffers!(COLUMNS, CONFIG) = <buffers!(COLUMNS, CONFIG)>::EMPTY;
     static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
-    static mut SESSION: Session = Session::listening(MPS2);
+    static mut SESSION: MaybeUninit<Session> = MaybeUninit::uninit();
+    let session = new_session(SESSION);
     figures::begin();
     // SAFETY: both boards have these UARTs, and each is taken once.
     let [scanner, encoder, link] =
@@ -33,7 +43,7 @@ fn main() -> ! {
         && let Ok(mut rig) = Rig::new(MPS2, limits(&MPS2), Timed(segmenter), ROWS_M)
     {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
-        run(ports, &MPS2, SESSION, &mut rig, || figures::send(link));
+        run(ports, &MPS2, session, &mut rig, || figures::send(link));
     }
     loop {
         core::hint::spin_loop();
