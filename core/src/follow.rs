@@ -99,10 +99,10 @@ pub(crate) fn follow(
             let least = if ahead > 0.0 { ahead } else { 0.0 };
             ahead = gains[i] + if least < LEAVE { least } else { LEAVE };
         }
-        was_left[word] = pack(&aheads.map(|ahead| ahead < 0.0));
-        was_on[word] = pack(&aheads.map(|ahead| ahead > LEAVE));
-        returns[word] = pack(&some);
-        free[word] = returns[word] & !pack(&near);
+        was_left[word] = pack(|i| aheads[i] < 0.0);
+        was_on[word] = pack(|i| aheads[i] > LEAVE);
+        returns[word] = pack(|i| some[i]);
+        free[word] = returns[word] & !pack(|i| near[i]);
         slots[from..from + width].copy_from_slice(&best.slots[..width]);
     }
     let mut is_on = ahead >= 0.0;

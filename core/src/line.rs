@@ -172,9 +172,9 @@ fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: 
             (turning[i], short[i]) = (turn.turns, turn.doublings);
         }
         let inner = neighbours(row.returns, word, columns, wraps);
-        *out = pack(&turning) & inner;
+        *out = pack(|i| turning[i]) & inner;
         store(doublings, from, &short);
-        longer |= pack(&short.map(|doublings| doublings > 0)) & inner;
+        longer |= pack(|i| short[i] > 0) & inner;
     }
     longer != 0
 }

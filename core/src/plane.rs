@@ -233,11 +233,14 @@ pub(crate) trait Real:
     Copy + Default + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     const ONE: Self;
+    /// Square of the relative size at which a number is lost in rounding.
+    const ROUNDING: Self;
     fn sqrt(self) -> Self;
 }
 
 impl Real for f32 {
     const ONE: f32 = 1.0;
+    const ROUNDING: f32 = f32::EPSILON * f32::EPSILON / 16.0;
     fn sqrt(self) -> f32 {
         libm::sqrtf(self)
     }
@@ -245,6 +248,7 @@ impl Real for f32 {
 
 impl Real for f64 {
     const ONE: f64 = 1.0;
+    const ROUNDING: f64 = f64::EPSILON * f64::EPSILON / 16.0;
     fn sqrt(self) -> f64 {
         libm::sqrt(self)
     }
@@ -260,10 +264,13 @@ fn symmetric_eigen<T: Real>(mut m: [[T; 3]; 3]) -> ([T; 3], [[T; 3]; 3]) {
     let mut vectors = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     // converges quadratically: six sweeps are one or two more than ever needed for 3 x 3
     for _ in 0..6 {
+        let mut done = true;
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q] == zero {
+            let (off, squares) = (m[p][q] * m[p][q], m[p][p] * m[q][q]);
+            if off == zero || off <= squares * T::ROUNDING {
                 continue;
             }
+            done = false;
             let theta = (m[q][q] - m[p][p]) / ((one + one) * m[p][q]);
             let root = (theta * theta + one).sqrt();
             let t = if theta < zero { zero - one / (root - theta) } else { one / (root + theta) };
@@ -281,6 +288,9 @@ fn symmetric_eigen<T: Real>(mut m: [[T; 3]; 3]) -> ([T; 3], [[T; 3]; 3]) {
                 vectors[p][i] = c * vp[i] - s * vq[i];
                 vectors[q][i] = s * vp[i] + c * vq[i];
             }
+        }
+        if done {
+            break;
         }
     }
     ([m[0][0], m[1][1], m[2][2]], vectors)

@@ -12,10 +12,10 @@ use core::ops::{ControlFlow, Range};
 
 use crate::beam::{Beams, Fan, Frame, RowBeam};
 use crate::bearing::TraceRow;
-use crate::bits::{CHUNK, load, mask, pack, runs, store, words};
+use crate::bits::{CHUNK, load, mask, pack, runs, words};
 use crate::closing::Shape;
 use crate::config::{Config, MAX_TRACE_ROWS};
-use crate::edge::{Thresholds, bearings, roofs};
+use crate::edge::{GAP, Sobel, Thresholds, bearings};
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
 use crate::label::{Growth, Labels, frontier_words};
@@ -74,6 +74,16 @@ pub(crate) fn check_row(ranges_m: &[f32], turn_rad: f32, row: usize, columns: us
         return Err(PushError::TurnAngle { turn_rad });
     }
     if row == MAX_ROWS { Err(PushError::TooManyRows) } else { Ok(()) }
+}
+
+/// The rows of a ring of three, from row `row` on.
+fn ring<T>(rows: [T; 3], row: usize) -> [T; 3] {
+    let [a, b, c] = rows;
+    match row % 3 {
+        0 => [a, b, c],
+        1 => [b, c, a],
+        _ => [c, a, b],
+    }
 }
 
 /// Packed rows, as they are used when row r arrives.
@@ -144,7 +154,8 @@ pub struct EdgeSegmenter<'a> {
     turns_rad: [f32; MAX_TRACE_ROWS as usize + 1],
     /// Ranges of the last rows, row q at q % stored rows; 0 for no return.
     ranges: &'a mut [f32],
-    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2, column c at c + 1.
+    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2; where the image wraps, the first column also beyond
+    /// the last.
     bearings: &'a mut [u16],
     /// See [`BitRows`].
     bits: &'a mut [u32],
@@ -180,7 +191,7 @@ impl<'a> EdgeSegmenter<'a> {
     pub fn reset(&mut self) {
         self.rows = 0;
         self.unlabelled = 0;
-        self.bearings.fill(0);
+        self.bearings.fill(GAP);
         self.bits.fill(0);
         self.labels.reset();
     }
@@ -268,57 +279,52 @@ impl<'a> EdgeSegmenter<'a> {
         let config = self.config;
         let mut bearings = Bearings { config: &config, thresholds: self.thresholds, lanes, now, before };
 
-        let padded = padded_row(columns);
-        let (even, odd) = self.bearings[2 * index * padded..][..2 * padded].split_at_mut(padded);
-        // rows r - 1 and r - 2; row r takes the place of r - 2 once that was used
-        let (centre_row, above_row) = if row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let BitRows { steps: step_row, edges, .. } = BitRows::of(self.bits, columns);
+        let mut rows = self.bearings.chunks_exact_mut(padded_row(columns)).skip(2 * index);
+        let (Some(even), Some(odd)) = (rows.next(), rows.next()) else { return };
+        // rows r - 1 and r - 2; row r takes the place of r - 2
+        let (centre, above) = if row.is_multiple_of(2) { (odd, even) } else { (even, odd) };
+        let BitRows { steps, edges, .. } = BitRows::of(self.bits, columns);
         // before row 0 there is no row, and what is found for it is not used
-        let edge_row = &mut *edges[(row + 2) % 3];
-        let last = columns - 1;
-
-        let mut below = [0; CHUNK + 2];
-        let (mut current, mut next) = ([0; CHUNK], [0; CHUNK]);
-        if wraps {
-            bearings.chunk(last / CHUNK, &mut next);
-            below[0] = next[last % CHUNK];
-        }
-        let mut next_steps = bearings.chunk(0, &mut next);
-        let first = next[0];
-        for (chunk, (edge_word, step_word)) in edge_row.iter_mut().zip(step_row).enumerate() {
-            let from = chunk * CHUNK;
-            let earlier = current;
-            current = next;
-            let steps = next_steps & mask(chunk, columns);
-            below[1..=CHUNK].copy_from_slice(&current);
-            if from + CHUNK < columns {
-                next_steps = bearings.chunk(chunk + 1, &mut next);
-                below[CHUNK + 1] = next[0];
-            } else {
-                below[CHUNK + 1] = 0;
-                if wraps {
-                    below[last - from + 2] = first;
-                }
-            }
-            let halo =
-                |row: &[u16]| row.get(from..).and_then(|row| row.first_chunk().copied()).unwrap_or([0; CHUNK + 2]);
-            let roofs = roofs(&halo(above_row), &halo(centre_row), &below, &self.thresholds) & mask(chunk, columns);
-            if index == 0 {
-                *edge_word = roofs | *step_word;
-                *step_word = steps;
-            } else {
-                *edge_word |= roofs;
-                *step_word |= steps;
-            }
-            below[0] = current[CHUNK - 1];
-            // one chunk late, because this chunk still needed the column to its left
-            if chunk > 0 {
-                store(above_row, from - CHUNK + 1, &earlier);
+        let [edges, ..] = ring(edges, row + 2);
+        if index == 0 {
+            for (edges, steps) in edges.iter_mut().zip(&mut *steps) {
+                *edges = core::mem::take(steps);
             }
         }
-        store(above_row, last / CHUNK * CHUNK + 1, &current);
+        let (last, beyond) = ((columns - 1) / CHUNK, columns % CHUNK);
+        let mut below = [GAP; CHUNK];
+        let mut left = [GAP; 3];
         if wraps {
-            (above_row[0], above_row[columns + 1]) = (above_row[columns], above_row[1]);
+            bearings.chunk(last, &mut below);
+            let at = |row: &[u16]| row.get(columns - 1).copied().unwrap_or(GAP);
+            left = [at(above), at(centre), below[(columns - 1) % CHUNK]];
+        }
+        let mut sobel = Sobel::new(&self.thresholds, left);
+        let mut first = GAP;
+        let mut waiting: Option<(&mut u32, u32)> = None;
+        let (mut edges, mut steps) = (edges.iter_mut(), steps.iter_mut());
+        let rows = above.as_chunks_mut::<CHUNK>().0.iter_mut().zip(centre.as_chunks::<CHUNK>().0);
+        for (chunk, (above, centre)) in rows.enumerate() {
+            let step_word = bearings.chunk(chunk, &mut below) & mask(chunk, columns);
+            if chunk == 0 {
+                first = below[0];
+            }
+            if wraps && chunk == columns / CHUNK {
+                // the column beyond the last is the first
+                below[beyond] = first;
+            }
+            let roofs = sobel.next(above, centre, &below);
+            *above = below;
+            if let Some((word, roofs_left)) = waiting.take() {
+                *word |= roofs_left | (roofs << (CHUNK - 1));
+            }
+            if let (Some(edges), Some(steps)) = (edges.next(), steps.next()) {
+                *steps |= step_word;
+                waiting = Some((edges, (roofs >> 1) & mask(chunk, columns)));
+            }
+        }
+        if let Some((word, roofs)) = waiting {
+            *word |= roofs;
         }
     }
 
@@ -349,8 +355,10 @@ impl<'a> EdgeSegmenter<'a> {
         let above = within(done.checked_sub(1)).map(|i| &*dilated[i]);
         let below = within(Some(done + 1)).map(|i| &*dilated[i]);
         self.shape.erode(above, &*dilated[done % 3], below, current);
+        let mut copy = [0.0; CHUNK];
         for (chunk, (area, returns)) in current.iter_mut().zip(returns.iter_mut()).enumerate() {
-            *returns = pack(&load(ranges, chunk * CHUNK, &mut [0.0; CHUNK]).map(|range_m| range_m > 0.0));
+            let ranges = load(ranges, chunk * CHUNK, &mut copy);
+            *returns = pack(|i| ranges[i].to_bits() != 0);
             *area = !*area & *returns;
         }
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
@@ -381,7 +389,7 @@ impl Bearings<'_> {
     #[inline(always)]
     fn chunk(&mut self, chunk: usize, eighths: &mut [u16; CHUNK]) -> u32 {
         let Some(now) = self.now.filter(|_| self.before.is_none_or(|before| !before.is_empty())) else {
-            *eighths = [0; CHUNK];
+            *eighths = [GAP; CHUNK];
             return 0;
         };
         let pairs = self.lanes.chunk(chunk * CHUNK, now, self.before.unwrap_or(now));
