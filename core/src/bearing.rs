@@ -12,6 +12,7 @@ use crate::beam::{BeamAngle, Beams, Fan, MIN_BEAM_ANGLE_RAD, Pair, RowBeam, roun
 use crate::bits::{CHUNK, load};
 use crate::config::{Config, Trace};
 use crate::error::ConfigError;
+use crate::within::at;
 
 /// Bearing angles in images are whole counts of pi / 65535; 0 means none.
 pub const COUNTS_PER_RAD: f32 = 65535.0 / core::f32::consts::PI;
@@ -204,7 +205,7 @@ fn gather(row_m: &[f32], first: isize, wraps: bool, out: &mut [f32; CHUNK]) {
     if wraps {
         for (out, column) in out.iter_mut().zip(first..) {
             if !(0..columns).contains(&column) {
-                *out = row_m[column.rem_euclid(columns) as usize];
+                *out = column.checked_rem_euclid(columns).map_or(0.0, |column| at(row_m, column as usize));
             }
         }
     }

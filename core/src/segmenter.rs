@@ -21,6 +21,7 @@ use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
 use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
+use crate::within::{at, part, part_mut, split_mut};
 
 /// Rows between the row pushed and the row whose labels it decides, of [`EdgeSegmenter`]; no approach needs more.
 pub const LATENCY_ROWS: usize = 3;
@@ -102,7 +103,7 @@ struct BitRows<'a> {
 
 impl<'a> BitRows<'a> {
     fn of(bits: &'a mut [u32], columns: usize) -> Self {
-        let mut rows = bits.chunks_exact_mut(words(columns));
+        let mut rows = bits.chunks_exact_mut(words(columns).max(1));
         let mut row = || rows.next().unwrap_or_default();
         Self {
             steps: row(),
@@ -174,9 +175,9 @@ impl<'a> EdgeSegmenter<'a> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
         let needed = memory.check(columns, &config)?;
-        let ranges = &mut memory.ranges[..needed.ranges];
-        let bearings = &mut memory.bearings[..needed.bearings];
-        let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
+        let ranges = part_mut(memory.ranges, 0..needed.ranges);
+        let bearings = part_mut(memory.bearings, 0..needed.bearings);
+        let (frontier, bits) = split_mut(part_mut(memory.words, 0..needed.words), frontier_words(columns));
         let labels = Labels::new(memory.areas, frontier, config.max_range_m);
         let shape = Shape { columns, wraps: fan.wraps(), element: config.closing };
         let thresholds = Thresholds::new(&config);
@@ -216,7 +217,7 @@ impl<'a> EdgeSegmenter<'a> {
         }
         let done = self.decide(row, sink);
         let stored = self.stored(row);
-        for (to, &range_m) in self.ranges[stored].iter_mut().zip(ranges_m) {
+        for (to, &range_m) in part_mut(self.ranges, stored).iter_mut().zip(ranges_m) {
             *to = self.config.clean(range_m);
         }
         Ok(match done {
@@ -254,8 +255,9 @@ impl<'a> EdgeSegmenter<'a> {
 
     /// Where the ranges of a row are stored.
     fn stored(&self, row: usize) -> Range<usize> {
-        let rows = self.ranges.len() / self.shape.columns;
-        let start = row % rows * self.shape.columns;
+        // neither is 0, which the compiler does not know
+        let rows = self.ranges.len() / self.shape.columns.max(1);
+        let start = row % rows.max(1) * self.shape.columns;
         start..start + self.shape.columns
     }
 
@@ -267,11 +269,11 @@ impl<'a> EdgeSegmenter<'a> {
     /// the row below the image.
     fn trace_row(&mut self, index: usize, row: usize, now: Option<&[f32]>) {
         let Shape { columns, wraps, .. } = self.shape;
-        let trace = self.config.traces[index];
+        let Some(&trace) = self.config.traces.get(index) else { return };
         let before = row.checked_sub(usize::from(trace.rows));
         let lanes = TraceRow::new(&self.fan, trace, self.beam(row), self.beam(before.unwrap_or(row)), columns);
         let before = match before {
-            Some(before) if trace.rows > 0 => Some(&self.ranges[self.stored(before)]),
+            Some(before) if trace.rows > 0 => Some(part(self.ranges, self.stored(before))),
             // above the image
             None => Some(&[][..]),
             _ => None,
@@ -279,7 +281,7 @@ impl<'a> EdgeSegmenter<'a> {
         let config = self.config;
         let mut bearings = Bearings { config: &config, thresholds: self.thresholds, lanes, now, before };
 
-        let mut rows = self.bearings.chunks_exact_mut(padded_row(columns)).skip(2 * index);
+        let mut rows = self.bearings.chunks_exact_mut(padded_row(columns).max(1)).skip(2 * index);
         let (Some(even), Some(odd)) = (rows.next(), rows.next()) else { return };
         // rows r - 1 and r - 2; row r takes the place of r - 2
         let (centre, above) = if row.is_multiple_of(2) { (odd, even) } else { (even, odd) };
@@ -347,7 +349,7 @@ impl<'a> EdgeSegmenter<'a> {
         if done >= rows {
             return ControlFlow::Continue(None);
         }
-        let (ranges, frame) = (&self.ranges[self.stored(done)], self.fan.frame(self.beam(done)));
+        let (ranges, frame) = (part(self.ranges, self.stored(done)), self.fan.frame(self.beam(done)));
         let BitRows { dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
         let (even, odd) = areas.split_at_mut(1);
         let (current, before) =
@@ -363,7 +365,7 @@ impl<'a> EdgeSegmenter<'a> {
         }
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let last = columns - 1;
-        let seam = self.shape.wraps && current[0] & current[last / CHUNK] >> (last % CHUNK) & 1 == 1;
+        let seam = self.shape.wraps && at(current, 0) & at(current, last / CHUNK) >> (last % CHUNK) & 1 == 1;
         let (above, here) = (runs(before, columns), runs(current, columns));
         let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
