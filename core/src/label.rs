@@ -221,7 +221,8 @@ impl<'a> Labels<'a> {
                 next = above.next();
                 self.drop_run(sink)?;
             }
-            let mut slot = if G::TAKES_ALL { NONE } else { self.choose(next.iter().cloned().chain(above.clone()), &run, growth) };
+            let mut slot =
+                if G::TAKES_ALL { NONE } else { self.choose(next.iter().cloned().chain(above.clone()), &run, growth) };
             self.refer(slot);
             while let Some(a) = next.as_ref().filter(|a| a.start < run.end) {
                 let more = a.end > run.end;

@@ -29,9 +29,9 @@
 //!
 //! Nothing is fitted, and lines are not merged within a row.
 
-use crate::bits::{CHUNK, mask, pack, store, touching_runs};
+use crate::bits::{CHUNK, load, mask, pack, store, touching_runs};
 use crate::config::Config;
-use crate::within::{at, part, put};
+use crate::within::{at, put};
 
 /// Standard deviations that a turn must be beyond the noise. Few: a line broken once too often still joins its region in
 /// two parts, while one that goes on beyond a corner joins none.
@@ -154,15 +154,14 @@ fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: 
     for (word, out) in turns.iter_mut().enumerate() {
         let from = word * CHUNK;
         for (halo, axis) in halo.iter_mut().zip(row.axes) {
-            *halo = [0.0; CHUNK + 2];
-            let inside = from.saturating_sub(1)..columns.min(from + CHUNK + 1);
-            let shift = usize::from(from == 0);
-            for (halo, &c) in halo.iter_mut().skip(shift).zip(part(axis, inside)) {
-                *halo = c;
-            }
-            if wraps && from == 0 {
-                halo[0] = at(axis, columns - 1);
-            }
+            let left = match from.checked_sub(1) {
+                None if wraps => columns - 1,
+                None => columns,
+                Some(left) => left,
+            };
+            halo[0] = axis.get(left).copied().unwrap_or(0.0);
+            halo[1..=CHUNK].copy_from_slice(load(axis, from, &mut [0.0; CHUNK]));
+            halo[CHUNK + 1] = axis.get(from + CHUNK).copied().unwrap_or(0.0);
             if wraps && from + CHUNK >= columns {
                 put(halo, columns - from + 1, at(axis, 0));
             }
