@@ -18,17 +18,12 @@ pub(crate) fn mask(word: usize, columns: usize) -> u32 {
     }
 }
 
-/// Packs the flags of 32 columns, which are asked for from the left.
+/// Packs the flags of 32 columns.
 #[inline(always)]
-pub(crate) fn pack(mut flag: impl FnMut(usize) -> bool) -> u32 {
-    // in an array first, so that the loop about `flag` vectorises
-    let mut flags = [0; CHUNK];
-    for (i, to) in flags.iter_mut().enumerate() {
-        *to = u8::from(flag(i));
-    }
+pub(crate) fn pack(flags: &[bool; CHUNK]) -> u32 {
     // eight bytes of 0 or 1 at a time: the product gathers their lowest bits in the highest byte
     let mut word = 0;
-    for (i, eight) in flags.as_chunks().0.iter().enumerate() {
+    for (i, eight) in flags.map(u8::from).as_chunks().0.iter().enumerate() {
         let gathered = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
         word |= (gathered as u32) << (8 * i);
     }

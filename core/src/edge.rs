@@ -54,13 +54,14 @@ impl Sobel {
     pub fn next(&mut self, above: &[u16; CHUNK], centre: &[u16; CHUNK], below: &[u16; CHUNK]) -> u32 {
         let [mut left, mut middle] = [0, 1].map(|i| column_sums(self.last[0][i], self.last[1][i], self.last[2][i]));
         let mut gaps = self.last.as_flattened().iter().fold(0, |gaps, eighth| gaps | eighth);
-        let mut edges = pack(|i| {
+        let mut edges = [false; CHUNK];
+        for i in 0..CHUNK {
             gaps |= above[i] | centre[i] | below[i];
             let right = column_sums(above[i], centre[i], below[i]);
-            let edge = strength(left, middle, right) >= self.roof;
+            edges[i] = strength(left, middle, right) >= self.roof;
             (left, middle) = (middle, right);
-            edge
-        });
+        }
+        let mut edges = pack(&edges);
         if gaps & GAP != 0 {
             edges = self.around_gaps(edges, above, centre, below);
         }
@@ -72,8 +73,8 @@ impl Sobel {
     #[inline(never)]
     fn around_gaps(&self, mut edges: u32, above: &[u16; CHUNK], centre: &[u16; CHUNK], below: &[u16; CHUNK]) -> u32 {
         // bit i is column i of the chunk; a kernel's bit is that of its right column
-        let gaps = pack(|i| (above[i] | centre[i] | below[i]) & GAP != 0);
-        let missing = pack(|i| centre[i] & GAP != 0);
+        let gaps = pack(&core::array::from_fn(|i| (above[i] | centre[i] | below[i]) & GAP != 0));
+        let missing = pack(&centre.map(|eighth| eighth & GAP != 0));
         let last = [0, 1].map(|i| u32::from(self.last.iter().any(|row| row[i] & GAP != 0)));
         let own = missing << 1 | u32::from(self.last[1][1] >> 15);
         let mut near = (gaps | gaps << 1 | gaps << 2 | last[0] | last[1] * 3) & !own;
@@ -119,13 +120,15 @@ fn strength(left: (u16, u16), middle: (u16, u16), right: (u16, u16)) -> u16 {
 pub(crate) fn bearings(pairs: &Pairs, config: &Config, thresholds: &Thresholds, eighths: &mut [u16; CHUNK]) -> u32 {
     let (config, (first, counts)) = (*config, thresholds.between);
     let step_range = thresholds.step_range_m.to_bits();
-    pack(|i| {
+    let mut steps = [false; CHUNK];
+    for i in 0..CHUNK {
         let Pixel { change_m, count, missing } = pairs.get(i, &config);
         eighths[i] = (count.wrapping_add(7) >> 3) as u16 | (missing >> 16) as u16 & GAP;
         // in the highest bits, without a comparison: what is below 0 has it
         let above = count.wrapping_sub(first);
         let near = (above | (counts - 1).wrapping_sub(above)) as u32;
         let jump = step_range.wrapping_sub(change_m.abs().to_bits());
-        (near & jump & !missing) >> 31 != 0
-    })
+        steps[i] = (near & jump & !missing) >> 31 != 0;
+    }
+    pack(&steps)
 }

@@ -100,11 +100,11 @@ pub(crate) fn follow(
             let least = if ahead > 0.0 { ahead } else { 0.0 };
             ahead = gains[i] + if least < LEAVE { least } else { LEAVE };
         }
-        put(was_left, word, pack(|i| aheads[i] < 0.0));
-        put(was_on, word, pack(|i| aheads[i] > LEAVE));
-        let returned = pack(|i| some[i]);
+        put(was_left, word, pack(&aheads.map(|ahead| ahead < 0.0)));
+        put(was_on, word, pack(&aheads.map(|ahead| ahead > LEAVE)));
+        let returned = pack(&some);
         put(returns, word, returned);
-        put(free, word, returned & !pack(|i| near[i]));
+        put(free, word, returned & !pack(&near));
         for (slot, best) in part_mut(slots, from..from + width).iter_mut().zip(best.slots) {
             *slot = best;
         }

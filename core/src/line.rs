@@ -174,9 +174,9 @@ fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: 
             (turning[i], short[i]) = (turn.turns, turn.doublings);
         }
         let inner = neighbours(row.returns, word, columns, wraps);
-        *out = pack(|i| turning[i]) & inner;
+        *out = pack(&turning) & inner;
         store(doublings, from, &short);
-        longer |= pack(|i| short[i] > 0) & inner;
+        longer |= pack(&short.map(|doublings| doublings > 0)) & inner;
     }
     longer != 0
 }

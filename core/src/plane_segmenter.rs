@@ -190,7 +190,7 @@ impl<'a> PlaneSegmenter<'a> {
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
-            *free &= pack(|i| none[i]);
+            *free &= pack(&none);
         }
         sink.edges(&EdgeRow { row: beam.row, columns, words: free })?;
 
@@ -283,7 +283,7 @@ fn join_neighbours<S: Sink>(
         let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
         // the neighbour may be in the next chunk, or across the seam
         put(&mut differ, CHUNK.min(columns - from) - 1, true);
-        let mut bits = pack(|i| differ[i]) & mask(from / CHUNK, columns);
+        let mut bits = pack(&differ) & mask(from / CHUNK, columns);
         while bits != 0 {
             let column = from + bits.trailing_zeros() as usize;
             bits &= bits - 1;

@@ -123,7 +123,7 @@ impl<'a> RegionSegmenter<'a> {
         for (word, returns) in returns.iter_mut().enumerate() {
             let from = word * CHUNK;
             let clean = load(ranges_m, from, &mut [0.0; CHUNK]).map(|range_m| self.config.clean(range_m));
-            *returns = pack(|i| clean[i] > 0.0) & mask(word, self.columns);
+            *returns = pack(&clean.map(|range_m| range_m > 0.0)) & mask(word, self.columns);
             let mut points = [[0.0; CHUNK]; 3];
             self.fan.points_as(|c| c * POINT_UNIT_M, &frame, from, &clean, &mut points);
             for (axis, points) in self.points.chunks_exact_mut(self.columns.max(1)).zip(&points) {

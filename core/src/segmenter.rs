@@ -360,7 +360,7 @@ impl<'a> EdgeSegmenter<'a> {
         let mut copy = [0.0; CHUNK];
         for (chunk, (area, returns)) in current.iter_mut().zip(returns.iter_mut()).enumerate() {
             let ranges = load(ranges, chunk * CHUNK, &mut copy);
-            *returns = pack(|i| ranges[i].to_bits() != 0);
+            *returns = pack(&ranges.map(|range_m| range_m.to_bits() != 0));
             *area = !*area & *returns;
         }
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
