@@ -41,8 +41,9 @@
 
 use core::ops::ControlFlow;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use cobs::CobsEncoder;
+use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+use postcard::ser_flavors::Flavor;
 use scanseg_core::{Join, LabelRow, Segment, Sink};
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +56,7 @@ pub const VERSION: u8 = 1;
 /// Longest frame, both boundaries included.
 pub const MAX_FRAME: usize = 128;
 
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// What a board tells its host.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -179,12 +180,33 @@ impl Encoder {
     pub fn encode<'b>(&mut self, message: &Message, buffer: &'b mut [u8]) -> Result<&'b [u8], FrameTooLong> {
         let (first, rest) = buffer.split_first_mut().ok_or(FrameTooLong)?;
         *first = 0;
-        let cobs = Cobs::try_new(Slice::new(rest)).map_err(|_| FrameTooLong)?;
-        let numbered = (self.sequence, message);
-        let frame = postcard::serialize_with_flavor(&numbered, CrcModifier::new(cobs, CRC.digest()));
-        let length = 1 + frame.map_err(|_| FrameTooLong)?.len();
+        let frame = Frame { crc: CRC.digest(), cobs: CobsEncoder::new(rest) };
+        let length = postcard::serialize_with_flavor(&(self.sequence, message), frame).map_err(|_| FrameTooLong)?;
+        // Zeros are only counted by COBS: that there is room for the boundary shows that there was room for all of them.
+        *rest.get_mut(length).ok_or(FrameTooLong)? = 0;
         self.sequence = self.sequence.wrapping_add(1);
-        buffer.get(..length).ok_or(FrameTooLong)
+        buffer.get(..1 + length + 1).ok_or(FrameTooLong)
+    }
+}
+
+/// Where postcard's bytes go: into the CRC and, by way of COBS, into memory. Postcard's own ways to do that can panic.
+struct Frame<'b> {
+    crc: Digest<'static, u32>,
+    cobs: CobsEncoder<'b>,
+}
+
+impl Flavor for Frame<'_> {
+    type Output = usize;
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.crc.update(&[byte]);
+        self.cobs.push(&[byte]).map_err(|_| postcard::Error::SerializeBufferFull)
+    }
+
+    fn finalize(mut self) -> postcard::Result<usize> {
+        let crc = self.crc.finalize().to_le_bytes();
+        self.cobs.push(&crc).map_err(|_| postcard::Error::SerializeBufferFull)?;
+        Ok(self.cobs.finalize())
     }
 }
 
