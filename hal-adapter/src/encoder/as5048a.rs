@@ -62,6 +62,17 @@ pub enum FrameError {
     Flagged,
 }
 
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Parity(word) => write!(f, "answer {word:#06x} has odd parity"),
+            Self::Flagged => write!(f, "error flag is set"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
 /// Why the sensor set its error flag: three bits of [`Register::ClearError`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

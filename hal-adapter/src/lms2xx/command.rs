@@ -59,6 +59,7 @@ pub enum Command {
 
 /// A command as bytes for the line.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CommandBytes {
     bytes: [u8; MAX_COMMAND],
     length: usize,

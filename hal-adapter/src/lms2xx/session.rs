@@ -30,6 +30,7 @@ pub enum Phase {
 
 /// What the session asks its caller to do.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Action {
     /// Set the port to this rate and drop what it has received.
