@@ -16,8 +16,6 @@ const SETTINGS: Settings = Settings {
     mode: MeasuringMode::Range32Field,
     interlaced: false,
 };
-const VARIANTS: [Variant; 5] =
-    [Variant::Deg100Step1, Variant::Deg100Step05, Variant::Deg100Step025, Variant::Deg180Step1, Variant::Deg180Step05];
 
 /// Ranges that tell the bearing: 1000 and 40 a degree.
 fn ramp(beam: Beam) -> u16 {
@@ -136,7 +134,7 @@ fn from_every_rate_to_every_rate() {
 
 #[test]
 fn every_variant_and_interlacing() {
-    for variant in VARIANTS {
+    for variant in Variant::ALL {
         for interlaced in [false, true] {
             for (unit, mode) in [
                 (Unit::Centimetre, MeasuringMode::Range8Fields),
@@ -360,7 +358,7 @@ fn every_command_is_answered() {
     let (code, data, answer) = ask(Command::Status);
     assert_eq!((code, &data[..8], data.len(), answer), (0xB1, &b"V02.10 \x25"[..], 151, done));
     assert_eq!(ask(Command::Errors), (0xB2, vec![0, 0], done));
-    for variant in VARIANTS {
+    for variant in Variant::ALL {
         assert_eq!(ask(Command::SetVariant(variant)).2, done);
         let (code, data, answer) = ask(Command::Poll);
         assert_eq!((code, data.len(), answer), (0xB0, 2 + 2 * usize::from(variant.columns()), done));
@@ -564,7 +562,7 @@ proptest! {
             ]), 0..12),
         blows in prop::collection::vec((0u64..9_000, 0u8..4), 0..4),
         to in prop::sample::select(Baud::ALL.to_vec()),
-        variant in prop::sample::select(VARIANTS.to_vec()),
+        variant in prop::sample::select(Variant::ALL.to_vec()),
         interlaced in any::<bool>(),
     ) {
         let settings = Settings { baud: to, variant, interlaced, ..SETTINGS };

@@ -6,6 +6,10 @@
 //!   time and bytes, and says what to send and how long to wait; it needs no port.
 //! - [`Scanner`] runs a session on a port, [`blocking`] or async ([`asynch`]).
 //!
+//! What is known of these scanners here is what SICK's list of telegrams says as far as the drivers of Player, the SICK
+//! LIDAR Matlab/C++ Toolbox, Gearbox, RACK, Carmen, Orocos and MRPT agree on it, and telegrams quoted in them, which are
+//! tests. The LMS 2xx-S14, with 90 degrees fixed, is not supported: it refuses to be set up ([`Trouble::Refused`]).
+//!
 //! A UART loses bytes that nobody fetches: at 500 000 Bd one comes every 20 us, so receive by interrupt or DMA into a
 //! buffer of at least 64 bytes.
 

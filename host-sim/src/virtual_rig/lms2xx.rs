@@ -353,14 +353,9 @@ impl VirtualLms {
                 (100_000, vec![0xA0, result])
             }
             [0x3B, rest @ ..] => {
-                let variant = match rest {
-                    [0x64, 0, 0x64, 0] => Some(Variant::Deg100Step1),
-                    [0x64, 0, 0x32, 0] => Some(Variant::Deg100Step05),
-                    [0x64, 0, 0x19, 0] => Some(Variant::Deg100Step025),
-                    [0xB4, 0, 0x64, 0] => Some(Variant::Deg180Step1),
-                    [0xB4, 0, 0x32, 0] => Some(Variant::Deg180Step05),
-                    _ => None,
-                };
+                let variant = Variant::ALL.into_iter().find(|variant| {
+                    rest == [variant.view_deg().to_le_bytes(), variant.step_cdeg().to_le_bytes()].as_flattened()
+                });
                 self.variant = variant.unwrap_or(self.variant);
                 (500_000, [&[0xBB, u8::from(variant.is_some())], rest].concat())
             }
