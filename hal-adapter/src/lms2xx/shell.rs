@@ -20,7 +20,7 @@ pub struct Scanner<P, C, D> {
 }
 
 impl<P, C, D> Scanner<P, C, D> {
-    /// Touches nothing yet: the scanner is looked for in the first calls for an event. 1.1 KB beside port, clock and delay;
+    /// Touches nothing yet: the scanner is looked for in the first calls for an event. 1200 bytes at most, beside port, clock and delay;
     /// `const`, so that it can be made in place in a static.
     pub const fn new(port: P, clock: C, delay: D, settings: Settings) -> Self {
         Self { session: Session::new(settings), inbox: Inbox::new(), outbox: Outbox::EMPTY, port, clock, delay }
@@ -207,4 +207,14 @@ pub(crate) fn feed(session: &mut Session, bytes: &[u8], now_us: u64) -> (usize, 
 /// The session's clock.
 pub(super) fn to_ms(us: u64) -> u32 {
     (us / 1000) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn size() {
+        assert!(size_of::<Scanner<(), (), ()>>() <= 1200, "as its documentation says");
+    }
 }
