@@ -29,7 +29,7 @@ pub const MIRROR_TURN_US: f32 = 1e6 / 75.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Latch {
-    /// Turn angle in radians; any number of turns.
+    /// Turn angle in radians, best within -pi to pi: far from 0 it loses digits, and beyond 6300 no segmenter takes it.
     pub turn_rad: f32,
     /// Time in microseconds, any origin.
     pub time_us: u64,

@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// The angle does not get coarser with the turns, whatever the gear, nor does it run away.
+    /// The angle does not get coarser with the turns, whatever the gear, nor does it run away from what segmenters take.
     #[test]
     fn a_million_turns() {
         for gear in [1.0, 7.5, 0.3] {
