@@ -14,7 +14,7 @@
 //! use embedded_hal::delay::DelayNs;
 //! use scanseg_hal::Clock;
 //! use scanseg_hal::encoder::{Encoder, Tilt};
-//! use scanseg_hal::lms2xx::{Error, blocking::{Port, Scanner}};
+//! use scanseg_hal::lms2xx::{Error, Scanner, blocking::Port};
 //! use scanseg_hal::rig::{Rig, RigSink, RowSegmenter};
 //!
 //! fn run<P: Port, C: Clock, D: DelayNs, E: Encoder>(

@@ -1,24 +1,55 @@
 //! The results on a serial line to a host: messages in frames, numbered, checked, and found again after any garbage.
 //!
-//! A frame is, in this order,
+//! # Frames
 //!
 //! ```text
 //! 00 | COBS of (sequence, message, CRC) | 00
 //! ```
 //!
-//! - **00** stands at both ends and nowhere else. Two in a row are one boundary. The one in front saves a frame whose
-//!   predecessor has lost its end, or that follows on other output of the board.
-//! - **COBS** (Cheshire and Baker): the bytes in blocks, each led by its length; the zeros between blocks are not sent.
-//! - **sequence**: counts the frames of a sender, 0 to 65535 and round again, as a varint.
-//! - **message**: a [`Message`] in postcard's format: the number of the variant as a varint, then its fields in the order
-//!   of their declaration. `f32` as the four bytes of its IEEE 754 form, lowest first: it arrives bit for bit. `u16`,
-//!   `u32`, `u64` as varints: seven bits a byte, the lowest first, bit 7 set in all bytes but the last. `u8` as itself.
-//!   `Option` as 00, or 01 and its content. An `enum` within a message as its number.
-//! - **CRC**: CRC-32/ISO-HDLC (that of zlib and Ethernet) of sequence and message, lowest byte first. A flipped bit in a
-//!   plane cannot be seen otherwise.
+//! - **00** stands at both ends of a frame and nowhere else. Two in a row are one boundary. The one in front saves a frame
+//!   whose predecessor has lost its end, or that follows on other output of the board.
+//! - **COBS** (Cheshire and Baker) keeps zeros out of what lies between. It is a row of blocks; the first byte of a block, n,
+//!   is its length with itself, so n - 1 bytes follow. They stand for themselves, and a zero comes behind them, except
+//!   behind the last block. (A block of FF, 254 bytes without a zero, would have no zero behind it; frames are shorter.)
+//! - **sequence**: counts the frames of a sender, 0 to 65535 and round again; `num`. A gap is what was lost.
+//! - **message**: as below.
+//! - **CRC**: CRC-32/ISO-HDLC (that of zlib, Ethernet and PNG) of sequence and message, 4 bytes, lowest first. A flipped bit
+//!   in a plane cannot be seen otherwise.
 //!
-//! Numbers of the messages: 0 [`Message::Hello`], 1 [`Message::ScanStarted`], 2 [`Message::Segment`], 3 [`Message::Join`],
-//! 4 [`Message::ScanFinished`], 5 [`Message::Status`], 6 [`Message::Trouble`].
+//! A frame has at most [`MAX_FRAME`] bytes.
+//!
+//! # Messages
+//!
+//! A message is the number of its kind, then its fields, one right behind the other, in
+//! [postcard](https://postcard.jamesmunns.com/wire-format)'s format:
+//!
+//! - `num`: a whole number of any size as a varint: seven bits a byte, the lowest first, bit 7 set in all bytes but the
+//!   last. 300 is AC 02.
+//! - `u8`: one byte.
+//! - `f32`: IEEE 754 single precision, 4 bytes, lowest first. It arrives bit for bit.
+//! - `f32 x 3`: three of them.
+//!
+//! | number (`num`) | message | fields |
+//! |---|---|---|
+//! | 0 | [`Message::Hello`] | version `u8` |
+//! | 1 | [`Message::ScanStarted`] | number `num`, columns `num`, turn_rad `f32` |
+//! | 2 | [`Message::Segment`] | label `num`, pixels `num`, first_row `num`, last_row `num`, first_column `num`, last_column `num`, centroid_m `f32 x 3`, then `u8`: 0, or 1 and plane: normal `f32 x 3`, distance_m `f32`, rms_m `f32`, covariance `f32 x 10` |
+//! | 3 | [`Message::Join`] | from `num`, into `num` |
+//! | 4 | [`Message::ScanFinished`] | number `num`, end `num`, rows `num`, unlabelled `num`, counters |
+//! | 5 | [`Message::Status`] | counters |
+//! | 6 | [`Message::Trouble`] | trouble `num`, and what that has |
+//!
+//! - **counters** ([`Counters`]), all `num`: bytes, telegrams, rejected, lost, rows, no_turn, standing, jump, alone, status,
+//!   columns, stopped, refused, encoder_errors, troubles, scans, segments. The first goes to 2^64 - 1, the others to
+//!   2^32 - 1.
+//! - **end** ([`End`](crate::rig::End)): 0 turned, 1 covered, 2 pause, 3 trouble, 4 asked.
+//! - **trouble** ([`Trouble`]): 0 not found; 1 no answer: command `u8`; 2 not acknowledged: command `u8`; 3 refused: command
+//!   `u8`, reason `u8`; 4 configuration: length `num`; 5 silent; 6 restarted.
+//!
+//! What the fields mean and their units stand at the types. A host that wants final labels applies the joins:
+//! [`Message::Join`].
+//!
+//! # Examples
 //!
 //! Frame 0 of a sender, saying hello, and frame 5, saying that area 300 has joined area 7:
 //!
@@ -41,8 +72,8 @@
 
 use core::ops::ControlFlow;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+use cobs::CobsEncoder;
+use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 use scanseg_core::{Join, LabelRow, Segment, Sink};
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +86,7 @@ pub const VERSION: u8 = 1;
 /// Longest frame, both boundaries included.
 pub const MAX_FRAME: usize = 128;
 
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// What a board tells its host.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -70,7 +101,8 @@ pub enum Message {
     ScanStarted(ScanStarted),
     /// A segment is complete.
     Segment(SegmentReport),
-    /// Two areas are one; see [`Join`].
+    /// Two areas of this scan are one: pixels labelled `from` in earlier rows belong to `into`. What was said of a segment
+    /// `from` is void; the last report of a label counts. See [`scanseg_core::Join`].
     Join {
         /// The label that ends here.
         from: u32,
@@ -179,12 +211,131 @@ impl Encoder {
     pub fn encode<'b>(&mut self, message: &Message, buffer: &'b mut [u8]) -> Result<&'b [u8], FrameTooLong> {
         let (first, rest) = buffer.split_first_mut().ok_or(FrameTooLong)?;
         *first = 0;
-        let cobs = Cobs::try_new(Slice::new(rest)).map_err(|_| FrameTooLong)?;
-        let numbered = (self.sequence, message);
-        let frame = postcard::serialize_with_flavor(&numbered, CrcModifier::new(cobs, CRC.digest()));
-        let length = 1 + frame.map_err(|_| FrameTooLong)?.len();
+        let mut frame = Frame { crc: CRC.digest(), cobs: CobsEncoder::new(rest) };
+        frame.numbers(&[self.sequence.into()])?;
+        frame.message(message)?;
+        let length = frame.finish()?;
+        // Zeros are only counted by COBS: that there is room for the boundary shows that there was room for all of them.
+        *rest.get_mut(length).ok_or(FrameTooLong)? = 0;
         self.sequence = self.sequence.wrapping_add(1);
-        buffer.get(..length).ok_or(FrameTooLong)
+        buffer.get(..1 + length + 1).ok_or(FrameTooLong)
+    }
+}
+
+/// A frame on its way into memory. It is what postcard makes of the messages, but postcard's own writer can panic.
+struct Frame<'b> {
+    crc: Digest<'static, u32>,
+    cobs: CobsEncoder<'b>,
+}
+
+impl Frame<'_> {
+    fn message(&mut self, message: &Message) -> Result<(), FrameTooLong> {
+        match *message {
+            Message::Hello { version } => {
+                self.numbers(&[0])?;
+                self.bytes(&[version])
+            }
+            Message::ScanStarted(ScanStarted { number, columns, turn_rad }) => {
+                self.numbers(&[1, number, columns.into()])?;
+                self.floats(&[turn_rad])
+            }
+            Message::Segment(segment) => {
+                self.numbers(&[2])?;
+                self.segment(&segment)
+            }
+            Message::Join { from, into } => self.numbers(&[3, from, into]),
+            Message::ScanFinished(ScanFinished { number, end, rows, unlabelled, counters }) => {
+                self.numbers(&[4, number, end as u32, rows.into(), unlabelled])?;
+                self.counters(&counters)
+            }
+            Message::Status(counters) => {
+                self.numbers(&[5])?;
+                self.counters(&counters)
+            }
+            Message::Trouble(trouble) => {
+                self.numbers(&[6])?;
+                self.trouble(trouble)
+            }
+        }
+    }
+
+    fn segment(&mut self, segment: &SegmentReport) -> Result<(), FrameTooLong> {
+        let SegmentReport { label, pixels, first_row, last_row, first_column, last_column, centroid_m, plane } =
+            *segment;
+        self.numbers(&[label, pixels])?;
+        self.numbers(&[first_row, last_row, first_column, last_column].map(u32::from))?;
+        self.floats(&centroid_m)?;
+        let Some(PlaneReport { normal, distance_m, rms_m, covariance }) = plane else { return self.numbers(&[0]) };
+        self.numbers(&[1])?;
+        self.floats(&normal)?;
+        self.floats(&[distance_m, rms_m])?;
+        self.floats(&covariance)
+    }
+
+    fn counters(&mut self, counters: &Counters) -> Result<(), FrameTooLong> {
+        let Counters {
+            bytes,
+            telegrams,
+            rejected,
+            lost,
+            rows,
+            no_turn,
+            standing,
+            jump,
+            alone,
+            status,
+            columns,
+            stopped,
+            refused,
+            encoder_errors,
+            troubles,
+            scans,
+            segments,
+        } = *counters;
+        self.number(bytes)?;
+        self.numbers(&[telegrams, rejected, lost, rows, no_turn, standing, jump, alone])?;
+        self.numbers(&[status, columns, stopped, refused, encoder_errors, troubles, scans, segments])
+    }
+
+    fn trouble(&mut self, trouble: Trouble) -> Result<(), FrameTooLong> {
+        match trouble {
+            Trouble::NotFound => self.numbers(&[0]),
+            Trouble::NoAnswer { command } => self.bytes(&[1, command]),
+            Trouble::NotAcknowledged { command } => self.bytes(&[2, command]),
+            Trouble::Refused { command, reason } => self.bytes(&[3, command, reason]),
+            Trouble::Configuration { length } => self.numbers(&[4, length.into()]),
+            Trouble::Silent => self.numbers(&[5]),
+            Trouble::Restarted => self.numbers(&[6]),
+        }
+    }
+
+    fn numbers(&mut self, numbers: &[u32]) -> Result<(), FrameTooLong> {
+        numbers.iter().try_for_each(|&number| self.number(number.into()))
+    }
+
+    /// As a varint.
+    fn number(&mut self, mut number: u64) -> Result<(), FrameTooLong> {
+        while number >= 0x80 {
+            self.bytes(&[number as u8 | 0x80])?;
+            number >>= 7;
+        }
+        self.bytes(&[number as u8])
+    }
+
+    fn floats(&mut self, floats: &[f32]) -> Result<(), FrameTooLong> {
+        floats.iter().try_for_each(|float| self.bytes(&float.to_le_bytes()))
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) -> Result<(), FrameTooLong> {
+        self.crc.update(bytes);
+        self.cobs.push(bytes).map_err(|_| FrameTooLong)
+    }
+
+    /// Adds the CRC; returns the length of what COBS made.
+    fn finish(mut self) -> Result<usize, FrameTooLong> {
+        let crc = self.crc.clone().finalize().to_le_bytes();
+        self.bytes(&crc)?;
+        Ok(self.cobs.finalize())
     }
 }
 

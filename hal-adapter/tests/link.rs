@@ -97,6 +97,122 @@ fn worked_example() {
     assert_eq!(crc(&joined[2..7]), 0x6047_84A6);
 }
 
+/// What is in frame 0 with this message, without COBS: sequence, message and CRC.
+fn content(message: &Message) -> Vec<u8> {
+    let mut frame = frame(&mut Encoder::new(), message);
+    let [0, coded @ .., 0] = &mut frame[..] else { panic!("no boundaries") };
+    let length = cobs::decode_in_place(coded).expect("COBS");
+    coded[..length].to_vec()
+}
+
+fn hex(text: &str) -> Vec<u8> {
+    text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("hex")).collect()
+}
+
+/// Every kind of message, byte for byte as the documentation of the module says. These were made from it by hand, without
+/// the code.
+#[test]
+fn bytes_of_every_message() {
+    let counters = Counters {
+        bytes: 300_000,
+        telegrams: 1000,
+        rejected: 1,
+        lost: 2,
+        rows: 3,
+        no_turn: 4,
+        standing: 5,
+        jump: 6,
+        alone: 7,
+        status: 8,
+        columns: 9,
+        stopped: 10,
+        refused: 11,
+        encoder_errors: 12,
+        troubles: 13,
+        scans: 14,
+        segments: 15,
+    };
+    let small = SegmentReport {
+        label: 7,
+        pixels: 30,
+        first_row: 0,
+        last_row: 199,
+        first_column: 17,
+        last_column: 360,
+        centroid_m: [1.5, -2.25, 0.0],
+        plane: None,
+    };
+    let large = SegmentReport {
+        label: 300,
+        pixels: 70_000,
+        first_row: 3,
+        last_row: 4,
+        first_column: 5,
+        last_column: 6,
+        centroid_m: [1.0, 2.0, 3.0],
+        plane: Some(PlaneReport {
+            normal: [0.0, 0.6, 0.8],
+            distance_m: 2.5,
+            rms_m: 0.01,
+            covariance: std::array::from_fn(|i| i as f32 / 8.0),
+        }),
+    };
+    let mut encoder = Encoder::new();
+    // Sequence numbers of one byte and of two.
+    (0..120).for_each(|_| _ = frame(&mut encoder, &Message::Hello { version: 1 }));
+    for (message, bytes) in [
+        (Message::Hello { version: 1 }, "00 02 78 06 01 6C D0 A4 D2 00"),
+        (
+            Message::ScanStarted(ScanStarted { number: 12, columns: 361, turn_rad: -0.5 }),
+            "00 06 79 01 0C E9 02 01 01 06 BF FD BC 56 A1 00",
+        ),
+        (
+            Message::Segment(small),
+            "00 05 7A 02 07 1E 06 C7 01 11 E8 02 01 03 C0 3F 01 03 10 C0 01 01 01 01 05 F1 BA 43 71 00",
+        ),
+        (
+            Message::Segment(large),
+            "00 0C 7B 02 AC 02 F0 A2 04 03 04 05 06 01 03 80 3F 01 01 02 40 01 04 40 40 01 01 01 01 09 9A 99 19 3F CD CC \
+             4C 3F 01 07 20 40 0A D7 23 3C 01 01 01 01 01 01 02 3E 01 03 80 3E 01 03 C0 3E 01 01 02 3F 01 03 20 3F 01 03 \
+             40 3F 01 03 60 3F 01 03 80 3F 01 07 90 3F 7D 56 58 11 00",
+        ),
+        (Message::Join { from: 300, into: 7 }, "00 0A 7C 03 AC 02 07 18 06 85 94 00"),
+        (
+            Message::ScanFinished(ScanFinished { number: 12, end: End::Pause, rows: 200, unlabelled: 129, counters }),
+            "00 21 7D 04 0C 02 C8 01 81 01 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 73 0A 60 C8 00",
+        ),
+        (
+            Message::Status(counters),
+            "00 1B 7E 05 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 75 91 42 6C 00",
+        ),
+        (Message::Trouble(Trouble::NotFound), "00 03 7F 06 05 F9 51 B6 F6 00"),
+        (Message::Trouble(Trouble::NoAnswer { command: 0x20 }), "00 0A 80 01 06 01 20 D1 4D 80 E9 00"),
+        (Message::Trouble(Trouble::NotAcknowledged { command: 0x3B }), "00 0A 81 01 06 02 3B 4E FE A8 75 00"),
+        (Message::Trouble(Trouble::Refused { command: 0x77, reason: 0x92 }), "00 0B 82 01 06 03 77 92 1C C1 88 86 00"),
+        (Message::Trouble(Trouble::Configuration { length: 500 }), "00 0B 83 01 06 04 F4 03 66 6C 3D DF 00"),
+        (Message::Trouble(Trouble::Silent), "00 09 84 01 06 05 4E C7 8D 64 00"),
+        (Message::Trouble(Trouble::Restarted), "00 09 85 01 06 06 91 F1 38 45 00"),
+    ] {
+        assert_eq!(frame(&mut encoder, &message), hex(bytes), "{message:?}");
+    }
+    for (end, number) in [(End::Turned, 0), (End::Covered, 1), (End::Pause, 2), (End::Trouble, 3), (End::Asked, 4)] {
+        let scan = ScanFinished { number: 1, end, rows: 1, unlabelled: 1, counters };
+        assert_eq!(content(&Message::ScanFinished(scan))[..4], [0, 4, 1, number], "{end:?}");
+    }
+}
+
+/// The writer is not postcard's, but writes the same.
+#[test]
+fn messages_are_postcard() {
+    for message in messages() {
+        let mut buffer = [0; MAX_FRAME];
+        let mut expected = vec![0];
+        expected.extend(postcard::to_slice(&message, &mut buffer).expect("fits").iter());
+        expected.extend(crc(&expected).to_le_bytes());
+        assert_eq!(content(&message), expected, "{message:?}");
+    }
+}
+
 #[test]
 fn every_message_in_pieces_of_any_size() {
     let mut encoder = Encoder::new();
@@ -118,10 +234,10 @@ fn longest_frames_fit() {
     let length = frame(&mut encoder, &longest).len();
     println!("longest frame: {length}");
     assert!(length > 100 && length <= MAX_FRAME);
-    let mut small = vec![0; length - 1];
     let mut before = encoder.clone();
-    assert_eq!(encoder.encode(&longest, &mut small), Err(FrameTooLong));
-    assert_eq!(encoder.encode(&longest, &mut []), Err(FrameTooLong));
+    for size in 0..length {
+        assert_eq!(encoder.encode(&longest, &mut vec![0; size]), Err(FrameTooLong), "{size} of {length} bytes");
+    }
     assert_eq!(frame(&mut encoder, &longest), frame(&mut before, &longest), "what did not fit was not counted");
 }
 

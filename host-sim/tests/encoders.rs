@@ -4,13 +4,12 @@ use core::cell::Cell;
 use core::convert::Infallible;
 use std::rc::Rc;
 
-use embedded_hal::i2c::{ErrorType, I2c, Operation};
 use embedded_hal::spi::SpiDevice;
 use scanseg_hal::encoder::as5048a::{self, As5048a, Faults};
 use scanseg_hal::encoder::as5600::{self, As5600};
-use scanseg_hal::encoder::quadrature::Quadrature;
+use scanseg_hal::encoder::quadrature::{Edges, Quadrature};
 use scanseg_hal::encoder::{Calibration, Direction, Encoder, Position, Tilt};
-use scanseg_sim::virtual_rig::VirtualAs5048a;
+use scanseg_sim::virtual_rig::{NoAcknowledge, VirtualAs5048a, VirtualAs5600};
 
 fn clock() -> impl FnMut() -> u64 {
     let mut now_us = 0;
@@ -85,64 +84,41 @@ impl<S: SpiDevice<Error = Infallible>> SpiDevice for FlipSecond<S> {
     }
 }
 
-/// An AS5600's registers.
-#[derive(Debug, Default)]
-struct FakeAs5600 {
-    angle: u16,
-    status: u8,
-    broken: bool,
-}
-
-#[derive(Debug, PartialEq)]
-struct NoAcknowledge;
-
-impl embedded_hal::i2c::Error for NoAcknowledge {
-    fn kind(&self) -> embedded_hal::i2c::ErrorKind {
-        embedded_hal::i2c::ErrorKind::Other
-    }
-}
-
-impl ErrorType for FakeAs5600 {
-    type Error = NoAcknowledge;
-}
-
-impl I2c for FakeAs5600 {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), NoAcknowledge> {
-        match operations {
-            _ if address != 0x36 || self.broken => return Err(NoAcknowledge),
-            [Operation::Write([0x0B]), Operation::Read([status])] => *status = self.status,
-            [Operation::Write([0x0C]), Operation::Read(angle)] => angle.copy_from_slice(&self.angle.to_be_bytes()),
-            _ => panic!("{operations:?}"),
-        }
-        Ok(())
-    }
-}
-
 #[test]
 fn as5600_reads_and_checks() {
     let mut clock = clock();
     for (angle, status) in [(0, 0x20), (1, 0x30), (2048, 0x28), (4095, 0x20)] {
-        let mut encoder = As5600::new(FakeAs5600 { angle, status, broken: false });
-        assert_eq!(encoder.read(&mut clock).map(|position| position.turn), Ok(u32::from(angle) << 20));
+        let mut sensor = VirtualAs5600::new(move || (f64::from(angle) + 0.5) / 4096.0 - 3.0);
+        sensor.status = status;
+        let mut encoder = As5600::new(sensor);
+        assert_eq!(encoder.read(&mut clock).map(|position| position.turn), Ok((angle as u32) << 20));
         assert_eq!(encoder.magnet().map(|magnet| magnet.0), Ok(status));
     }
-    let mut encoder = As5600::new(FakeAs5600 { angle: 5, status: 0x10, broken: false });
+    let mut sensor = VirtualAs5600::new(|| 0.3);
+    sensor.status = 0x10;
+    let mut encoder = As5600::new(sensor);
     assert!(matches!(encoder.read(&mut clock), Err(as5600::Error::NoMagnet(magnet)) if magnet.too_weak()));
     let mut bus = encoder.release();
-    bus.broken = true;
-    assert_eq!(As5600::new(bus).read(&mut clock), Err(as5600::Error::Bus(NoAcknowledge)));
+    bus.dead = true;
+    let mut encoder = As5600::new(bus);
+    assert_eq!(encoder.read(&mut clock), Err(as5600::Error::Bus(NoAcknowledge)));
+    assert_eq!(encoder.magnet(), Err(as5600::Error::Bus(NoAcknowledge)));
 }
 
 /// Each encoder on its own drive, calibrated: all say the same angle, also across their own zeros.
 #[test]
 fn calibrated_encoders_agree() {
     let angle_deg = Rc::new(Cell::new(0.0));
-    let (on_axis, counted) = (angle_deg.clone(), angle_deg.clone());
+    let (on_axis, on_other_end, counted) = (angle_deg.clone(), angle_deg.clone(), angle_deg.clone());
     // On the axis, zero at 300 degrees of its own, mounted the other way round.
     let sensor = VirtualAs5048a::new(move || (300.0 - on_axis.get()) / 360.0);
     let zero = (300.0 / 360.0 * 4_294_967_296.0) as u32;
     let calibration = Calibration::new(zero, Direction::Opposite, 1.0).expect("gear");
     let mut magnetic = Tilt::new(As5048a::new(sensor), calibration);
+    // On the other end of the axis, zero at 10 degrees of its own: its zero is crossed on the way.
+    let sensor = VirtualAs5600::new(move || (10.0 + on_other_end.get()) / 360.0);
+    let zero = (10.0 / 360.0 * 4_294_967_296.0) as u32;
+    let mut other_end = Tilt::new(As5600::new(sensor), Calibration::new(zero, Direction::Same, 1.0).expect("gear"));
     // 2000 counts a turn on the motor, which turns 7.5 times as fast.
     let counter = Quadrature::new(move || (counted.get() / 360.0 * 7.5 * 2000.0) as i32, 2000);
     let mut geared = Tilt::new(counter, Calibration::new(0, Direction::Same, 7.5).expect("gear"));
@@ -152,8 +128,33 @@ fn calibrated_encoders_agree() {
         let deg = f64::from(tenth_deg) / 10.0;
         angle_deg.set(deg);
         let magnetic_rad = magnetic.read(&mut clock).expect("sensor").turn_rad;
+        let other_end_rad = other_end.read(&mut clock).expect("sensor").turn_rad;
         let geared_rad = geared.read(&mut clock).expect("counter").turn_rad;
         assert!((f64::from(magnetic_rad) - deg.to_radians()).abs() < 4.0e-4, "one step of 14 bits");
+        assert!((f64::from(other_end_rad) - deg.to_radians()).abs() < 1.6e-3, "one step of 12 bits");
         assert!((f64::from(geared_rad) - deg.to_radians()).abs() < 4.3e-4, "one count of 15000");
     }
+}
+
+/// The two lines of an incremental encoder of 500 lines, looked at often enough: the same count as the shaft's, through
+/// several turns each way.
+#[test]
+fn edges_of_a_turning_shaft() {
+    let counted = Rc::new(Cell::new(0));
+    let count = counted.clone();
+    let mut tilt =
+        Tilt::new(Quadrature::new(move || count.get(), 2000), Calibration::new(0, Direction::Same, 1.0).expect("gear"));
+    let mut edges = Edges::new(false, false);
+    let mut clock = clock();
+    for step in (0..=30_000i32).chain((-20_000..30_000).rev()) {
+        // A quarter of an edge at a time; line B is a quarter of a cycle behind line A.
+        let shaft_turns = f64::from(step) / 8000.0;
+        let cycle = (shaft_turns * 500.0).rem_euclid(1.0);
+        edges.step((0.25..0.75).contains(&cycle), cycle >= 0.5);
+        counted.set(edges.count());
+        let off_rad = f64::from(tilt.read(&mut clock).expect("counter").turn_rad) - shaft_turns * std::f64::consts::TAU;
+        let off_rad = off_rad - (off_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        assert!(off_rad.abs() < 3.2e-3, "one count of 2000: {shaft_turns} {off_rad}");
+    }
+    assert_eq!(edges.missed(), 0);
 }

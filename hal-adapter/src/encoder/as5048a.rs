@@ -2,7 +2,8 @@
 //!
 //! 16-bit frames. A command has even parity in bit 15, "read" in bit 14, and a register below. The answer comes **in the
 //! next frame**: even parity in bit 15, the error flag in bit 14, 14 bits of data below. Chip select must rise between
-//! frames, so each frame is an [`SpiDevice`] transaction of its own.
+//! frames, so each frame is an [`SpiDevice`] transaction of its own. All this is from ams' data sheet of the AS5048; of the
+//! two readings of its diagnostics that are about, bits 8 to 11 are taken, as SimpleFOC does.
 
 use embedded_hal::spi::SpiDevice;
 
@@ -61,6 +62,17 @@ pub enum FrameError {
     /// The sensor's error flag is set.
     Flagged,
 }
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Parity(word) => write!(f, "answer {word:#06x} has odd parity"),
+            Self::Flagged => write!(f, "error flag is set"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
 
 /// Why the sensor set its error flag: three bits of [`Register::ClearError`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //!
 //! The raw angle register is read: zero and direction belong to [`super::Calibration`]. The answers carry no check of any
 //! kind. The sensor's slow filter delays the angle by up to 2.2 ms as delivered (0.29 ms at SF = 2x): a moving tilt wants
-//! the fast setting.
+//! the fast setting. From ams' data sheet of the AS5600.
 
 use embedded_hal::i2c::I2c;
 

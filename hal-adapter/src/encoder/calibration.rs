@@ -20,6 +20,8 @@ pub enum Direction {
 pub struct Calibration {
     zero_turn: u32,
     rad_per_unit: f32,
+    /// A turn of the tilt, in 2^-32 turns of the encoder.
+    tilt_turn: i64,
 }
 
 /// What is wrong with a calibration.
@@ -49,12 +51,13 @@ impl Calibration {
         if !(gear > 0.0 && gear < f32::INFINITY) {
             return Err(CalibrationError::Gear(gear));
         }
-        let rad_per_unit = core::f32::consts::TAU / 4_294_967_296.0 / gear;
+        const ENCODER_TURN: f32 = 4_294_967_296.0;
+        let rad_per_unit = core::f32::consts::TAU / ENCODER_TURN / gear;
         let rad_per_unit = match direction {
             Direction::Same => rad_per_unit,
             Direction::Opposite => -rad_per_unit,
         };
-        Ok(Self { zero_turn, rad_per_unit })
+        Ok(Self { zero_turn, rad_per_unit, tilt_turn: (ENCODER_TURN * gear) as i64 })
     }
 }
 
@@ -66,33 +69,54 @@ impl Calibration {
 pub struct Tilt<E> {
     encoder: E,
     calibration: Calibration,
-    /// Position at the last reading, from zero, with all turns, in 2^-32 turns.
-    total: Option<i64>,
+    last: Reading,
+}
+
+/// All from zero, in 2^-32 turns of the encoder.
+#[derive(Debug, Clone, Copy)]
+struct Reading {
+    /// What the encoder said.
+    encoder: u32,
+    /// Where that is on the tilt, at most half of its turn from zero.
+    tilt: i64,
 }
 
 impl<E: Encoder> Tilt<E> {
     /// Touches nothing yet.
     pub const fn new(encoder: E, calibration: Calibration) -> Self {
-        Self { encoder, calibration, total: None }
+        Self { encoder, calibration, last: Reading { encoder: 0, tilt: 0 } }
     }
 
-    /// The turn angle now.
+    /// The turn angle now, within -pi to pi: a tilt that goes round and round has the same angle after each turn.
     ///
     /// # Errors
     /// The encoder's. The count of turns is kept, as long as the next good reading comes within half an encoder turn.
     pub fn read(&mut self, clock: &mut impl Clock) -> Result<Latch, E::Error> {
         let position = self.encoder.read(clock)?;
-        let from_zero = position.turn.wrapping_sub(self.calibration.zero_turn);
-        let before = self.total.unwrap_or(0);
-        let moved = from_zero.wrapping_sub(before as u32) as i32;
-        let total = before + i64::from(moved);
-        self.total = Some(total);
-        Ok(Latch { turn_rad: total as f32 * self.calibration.rad_per_unit, time_us: position.time_us })
+        let Calibration { zero_turn, rad_per_unit, tilt_turn } = self.calibration;
+        let encoder = position.turn.wrapping_sub(zero_turn);
+        let moved = encoder.wrapping_sub(self.last.encoder) as i32;
+        let tilt = around_zero(self.last.tilt.wrapping_add(moved.into()), tilt_turn);
+        self.last = Reading { encoder, tilt };
+        Ok(Latch { turn_rad: tilt as f32 * rad_per_unit, time_us: position.time_us })
     }
 
     /// Gives the encoder back.
     pub fn release(self) -> E {
         self.encoder
+    }
+}
+
+/// The same within a turn, at most half a turn from 0.
+fn around_zero(position: i64, turn: i64) -> i64 {
+    let half = turn / 2;
+    if (-half..=half).contains(&position) {
+        return position;
+    }
+    match position.checked_rem(turn).unwrap_or(0) {
+        within if within > half => within - turn,
+        within if within < -half => within + turn,
+        within => within,
     }
 }
 
@@ -135,12 +159,36 @@ mod tests {
     #[test]
     fn gear_counts_turns() {
         let mut tilt = Tilt::new(Fake(0), Calibration::new(0, Direction::Same, 4.0).unwrap());
-        let mut last = 0.0;
-        for quarter in 0..=16u32 {
-            last = read(&mut tilt, quarter.wrapping_mul(1 << 30));
-            assert!((last - quarter as f32 * PI / 8.0).abs() < 1e-5);
+        // Quarter turns of the encoder, sixteenths of the tilt's.
+        for quarter in (0..=20u32).chain((0..20).rev()) {
+            let rad = read(&mut tilt, quarter.wrapping_mul(1 << 30));
+            let expected = (quarter + 8) % 16;
+            assert!((rad - (expected as f32 - 8.0) * PI / 8.0).abs() < 1e-5 || quarter == 8, "{quarter} {rad}");
+            assert!(quarter != 8 || (rad.abs() - PI).abs() < 1e-5);
         }
-        assert!((last - 2.0 * PI).abs() < 1e-5);
+    }
+
+    /// The angle does not get coarser with the turns, whatever the gear, nor does it run away from what segmenters take.
+    #[test]
+    fn a_million_turns() {
+        for gear in [1.0, 7.5, 0.3] {
+            let mut tilt = Tilt::new(Fake(0), Calibration::new(0, Direction::Opposite, gear).unwrap());
+            let step = 0x5555_5555u32;
+            let mut encoder = 0u64;
+            for _ in 0..3_000_000 {
+                encoder += u64::from(step);
+                let rad = read(&mut tilt, encoder as u32);
+                assert!(rad.abs() <= PI + 1e-6);
+            }
+            let turns = encoder as f64 / 4_294_967_296.0 / f64::from(gear);
+            let off_rad = (f64::from(read(&mut tilt, encoder as u32)) / f64::from(2.0 * PI) + turns).rem_euclid(1.0);
+            let off_rad = (off_rad - (off_rad + 0.5).floor()) * f64::from(2.0 * PI);
+            assert!(off_rad.abs() < 1e-6, "{gear}: {off_rad}");
+        }
+        for gear in [f32::MIN_POSITIVE, 1e-10, f32::MAX] {
+            let mut tilt = Tilt::new(Fake(0), Calibration::new(0, Direction::Same, gear).unwrap());
+            assert!((0..100u32).all(|at| read(&mut tilt, at.wrapping_mul(0x3333_3333)).is_finite()), "{gear}");
+        }
     }
 
     #[test]

@@ -60,8 +60,8 @@ impl Edges {
 /// `counts_per_turn` 0 is taken for 1.
 #[must_use]
 pub const fn turn(count: i32, counts_per_turn: u32) -> u32 {
-    let counts_per_turn = if counts_per_turn == 0 { 1 } else { counts_per_turn as i64 };
-    let within = (count as i64).rem_euclid(counts_per_turn);
+    let counts_per_turn = if counts_per_turn == 0 { 1 } else { counts_per_turn as u64 };
+    let within = (count as i64).rem_euclid(counts_per_turn as i64) as u64;
     ((within << 32) / counts_per_turn) as u32
 }
 
@@ -124,5 +124,8 @@ mod tests {
         assert_eq!(turn(2000, 2000), 0);
         assert_eq!(turn(i32::MIN, 2000), turn(i32::MIN + 2000, 2000));
         assert_eq!(turn(7, 0), 0);
+        assert_eq!(turn(-1, u32::MAX), u32::MAX - 1, "the largest number of counts");
+        assert_eq!(turn(i32::MIN, 1 << 31), 0);
+        assert_eq!(turn(-1, 3 << 30), u32::MAX - 1);
     }
 }

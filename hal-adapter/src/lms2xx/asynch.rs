@@ -7,11 +7,9 @@ use core::task::Poll;
 use embedded_hal_async::delay::DelayNs;
 use embedded_io_async::{Read, Write};
 
-use super::command::CommandBytes;
-use super::scan::Scan;
-use super::session::{Action, Phase, Session};
-use super::settings::{Baud, Settings};
-use super::shell::{Error, Inbox, ScannerEvent, to_ms};
+use super::session::Action;
+use super::settings::Baud;
+use super::shell::{Error, Outbox, Scanner, ScannerEvent, Todo, to_ms};
 use crate::Clock;
 
 /// A serial port whose rate can be changed: 8 data bits, no parity, one stop bit. Its `read` must be cancel-safe (lose no
@@ -24,55 +22,27 @@ pub trait Port: Read + Write {
     fn set_baud(&mut self, baud: Baud) -> Result<(), Self::Error>;
 }
 
-/// An LMS 2xx on an async port.
-#[derive(Debug)]
-pub struct Scanner<P, C, D> {
-    session: Session,
-    inbox: Inbox,
-    port: P,
-    clock: C,
-    delay: D,
-    outbox: Outbox,
-}
-
-/// A command on its way out, kept here so that a dropped future does not cut it off.
-#[derive(Debug)]
-struct Outbox {
-    bytes: CommandBytes,
-    sent: usize,
-    gap_us: u32,
-    gap_due: bool,
-}
-
 impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
-    /// Touches nothing yet: the scanner is looked for in the first calls of [`Scanner::next_event`].
-    pub const fn new(port: P, clock: C, delay: D, settings: Settings) -> Self {
-        let outbox = Outbox { bytes: CommandBytes::EMPTY, sent: 0, gap_us: 0, gap_due: false };
-        Self { session: Session::new(settings), inbox: Inbox::new(), port, clock, delay, outbox }
-    }
-
-    /// Waits for the next event. Returns within seconds even if there is no scanner (with
-    /// [`ScannerEvent::Trouble`]), and from then on as often as something happens.
+    /// [`Scanner::next_event`] for an async port.
     ///
-    /// Cancel-safe, as far as `read` and `write` of the port are: no received byte is lost, and the next call goes on with a
-    /// command that was being sent.
+    /// Cancel-safe, as far as `read` and `write` of the port are: the future may be dropped at any time. No received byte is
+    /// lost, and the next call goes on with a command that was being sent.
     ///
     /// # Errors
-    /// Only those of the port. What was read before is kept, so the call may be repeated.
-    pub async fn next_event(&mut self) -> Result<ScannerEvent, Error<P::Error>> {
+    /// Only those of the port. The call may be repeated.
+    pub async fn next_event_async(&mut self) -> Result<ScannerEvent, Error<P::Error>> {
         loop {
-            let now_us = self.clock.now_us();
-            if let Some(event) = self.inbox.next(&mut self.session, now_us) {
+            self.send_async().await?;
+            if let Some(event) = self.inbox.next(&mut self.session) {
                 return Ok(event);
             }
-            self.send().await?;
-            match self.session.poll(to_ms(now_us)) {
+            match self.session.poll(to_ms(self.clock.now_us())) {
                 Action::SetBaud(baud) => self.port.set_baud(baud).map_err(Error::Port)?,
-                Action::Send { bytes, gap_us } => self.outbox = Outbox { bytes, sent: 0, gap_us, gap_due: false },
+                Action::Send { bytes, gap_us } => self.outbox = Outbox::new(bytes, gap_us),
                 Action::Wait { ms } => {
                     let read = self.port.read(self.inbox.room());
                     if let Some(count) = within(read, self.delay.delay_ms(ms)).await {
-                        self.inbox.filled(count.map_err(Error::Port)?)?;
+                        self.inbox.filled(count.map_err(Error::Port)?, self.clock.now_us())?;
                     }
                 }
                 Action::Tell(trouble) => return Ok(ScannerEvent::Trouble(trouble)),
@@ -80,35 +50,22 @@ impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
         }
     }
 
-    /// The scan that the last [`Scanner::next_event`] reported.
-    #[must_use]
-    pub fn scan(&self) -> Option<Scan<'_>> {
-        self.session.scan()
-    }
-
-    /// How far the scanner is.
-    #[must_use]
-    pub fn phase(&self) -> Phase {
-        self.session.phase()
-    }
-
-    /// Gives port, clock and delay back. The scanner is left as it is.
-    pub fn release(self) -> (P, C, D) {
-        (self.port, self.clock, self.delay)
-    }
-
-    /// Sends what is in the outbox. Every byte has left the port when this returns, so that the rate may be changed.
-    async fn send(&mut self) -> Result<(), Error<P::Error>> {
-        let Outbox { bytes, sent, gap_us, gap_due } = &mut self.outbox;
-        while let Some(rest @ [first, ..]) = bytes.as_slice().get(*sent..) {
-            if *gap_due {
-                self.delay.delay_us(*gap_us).await;
-                *gap_due = false;
+    async fn send_async(&mut self) -> Result<(), Error<P::Error>> {
+        while let Some(todo) = self.outbox.todo() {
+            match todo {
+                Todo::Write(bytes) => {
+                    let count = self.port.write(bytes).await.map_err(Error::Port)?;
+                    self.outbox.written(count)?;
+                }
+                Todo::Flush => {
+                    self.port.flush().await.map_err(Error::Port)?;
+                    self.outbox.flushed();
+                }
+                Todo::Gap { us } => {
+                    self.delay.delay_us(us).await;
+                    self.outbox.gap_over();
+                }
             }
-            let piece = if *gap_us > 0 { core::slice::from_ref(first) } else { rest };
-            *sent += self.port.write(piece).await.map_err(Error::Port)?;
-            *gap_due = *gap_us > 0;
-            self.port.flush().await.map_err(Error::Port)?;
         }
         Ok(())
     }

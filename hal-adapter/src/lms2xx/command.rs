@@ -1,4 +1,26 @@
-//! Commands to the LMS 2xx and the answers to them.
+//! Commands to the LMS 2xx and the answers to them. A [`Session`](super::Session) sends those that setting up and starting
+//! takes by itself; this is for all others, and for drivers of one's own:
+//!
+//! ```
+//! use scanseg_hal::lms2xx::command::{Answer, Command};
+//! use scanseg_hal::lms2xx::{Decoder, Event};
+//!
+//! assert_eq!(Command::Type.encode().as_slice(), [0x02, 0x00, 0x01, 0x00, 0x3A, 0x1E, 0x12]); // to be sent
+//! let mut received: &[u8] = b"\x06\x02\x80\x17\x00\xBALMS200;301063;V02.10 \x10\x22\x61";
+//! let mut decoder = Decoder::new();
+//! loop {
+//!     let fed = decoder.feed(received);
+//!     received = &received[fed.used..];
+//!     match fed.event {
+//!         Event::Telegram { .. } => break,
+//!         Event::NeedMore => panic!("no answer"),
+//!         _ => {}
+//!     }
+//! }
+//! let telegram = decoder.telegram().unwrap();
+//! assert_eq!(Command::Type.answer(&telegram), Some(Answer::Done));
+//! assert_eq!(telegram.data(), b"LMS200;301063;V02.10 ");
+//! ```
 
 use super::crc::check_word;
 use super::settings::{Baud, MeasuringMode, Unit, Variant};
@@ -34,7 +56,7 @@ pub enum Command {
     StartSubRange {
         /// First column, 1-based.
         first: u16,
-        /// Last column, 1-based, not below `first`.
+        /// Last column, 1-based, not below `first`, at most [`Variant::columns`].
         last: u16,
     },
     /// Send nothing unasked; also leaves the installation mode.
@@ -59,6 +81,7 @@ pub enum Command {
 
 /// A command as bytes for the line.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CommandBytes {
     bytes: [u8; MAX_COMMAND],
     length: usize,

@@ -142,23 +142,17 @@ impl<'a> Scan<'a> {
         let columns_of = |variant: Variant| {
             if partial { variant.partial_columns(quarter) } else { Some(variant.columns()) }
         };
-        let any = [
-            Variant::Deg180Step1,
-            Variant::Deg180Step05,
-            Variant::Deg100Step1,
-            Variant::Deg100Step05,
-            Variant::Deg100Step025,
-        ];
         if code == SUB_RANGE {
             let (first, last) = sub_range(head).unwrap_or((0, 0));
-            let most = format.map_or(Some(401), |format| columns_of(format.variant)).unwrap_or(0);
+            let most =
+                format.map_or(Some(Variant::Deg100Step025.columns()), |format| columns_of(format.variant)).unwrap_or(0);
             if first == 0 || last > most || last.checked_sub(first) != count.checked_sub(1) {
                 return Err(ScanError::SubRange { first, last });
             }
         } else {
             let known = match format {
                 Some(format) => columns_of(format.variant) == Some(count),
-                None => any.iter().any(|&variant| columns_of(variant) == Some(count)),
+                None => Variant::ALL.into_iter().any(|variant| columns_of(variant) == Some(count)),
             };
             if !known {
                 return Err(ScanError::Count(count));

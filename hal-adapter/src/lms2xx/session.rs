@@ -30,6 +30,7 @@ pub enum Phase {
 
 /// What the session asks its caller to do.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Action {
     /// Set the port to this rate and drop what it has received.
@@ -139,7 +140,7 @@ impl Session {
     }
 
     /// A session that sends nothing: for a scanner that was set up and started by others, or for bytes recorded from one.
-    /// It is always [`Phase::Running`].
+    /// It is always [`Phase::Running`]. Scans of a part of the field of view (0xB7) are passed over.
     #[must_use]
     pub const fn listening(settings: Settings) -> Self {
         let mut session = Self::new(settings);

@@ -64,6 +64,10 @@ pub enum Variant {
 }
 
 impl Variant {
+    /// Every variant.
+    pub const ALL: [Self; 5] =
+        [Self::Deg100Step1, Self::Deg100Step05, Self::Deg100Step025, Self::Deg180Step1, Self::Deg180Step05];
+
     /// Field of view in degrees: 100 or 180.
     #[must_use]
     pub const fn view_deg(self) -> u16 {
@@ -124,6 +128,9 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// Every unit.
+    pub const ALL: [Self; 3] = [Self::Centimetre, Self::Millimetre, Self::Decimetre];
+
     /// Millimetres in one count: 10, 1 or 100.
     #[must_use]
     pub const fn mm(self) -> u32 {
@@ -178,6 +185,18 @@ pub enum MeasuringMode {
 }
 
 impl MeasuringMode {
+    /// Every mode.
+    pub const ALL: [Self; 8] = [
+        Self::Range8Fields,
+        Self::Range8Reflector,
+        Self::Range8FieldsAbc,
+        Self::Range16Reflector,
+        Self::Range16Fields,
+        Self::Range32Reflector,
+        Self::Range32Field,
+        Self::Range32Immediate,
+    ];
+
     /// Bits of a value word that are range: 13 to 16. The rest, above them, are flags.
     #[must_use]
     pub const fn range_bits(self) -> u32 {

@@ -84,6 +84,7 @@ impl core::error::Error for TelegramError {}
 
 /// Answer of [`Decoder::feed`]: what happened, and how much of the input was used for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub struct Fed {
     /// Bytes used; feed the rest again, even if it is empty, until [`Event::NeedMore`] comes.

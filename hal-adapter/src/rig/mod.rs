@@ -69,6 +69,8 @@ mod counters;
 mod limits;
 mod segmenter;
 
+use core::mem;
+
 use scanseg_core::{Finished, PushError, Status};
 
 pub use counters::{Counters, Dropped};
@@ -248,7 +250,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
 
     /// Telegrams that must have come since the last good one, by the time.
     fn count_lost(&mut self) {
-        let period_us = u64::from(self.settings.period_us());
+        let period_us = u64::from(self.settings.period_us()).max(1);
         if let Some(last_us) = self.last_start_us.replace(self.start_us) {
             let periods = (self.start_us.saturating_sub(last_us) + period_us / 2) / period_us;
             self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
@@ -285,13 +287,13 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
             self.held = None;
             self.end(End::Turned, sink);
             self.begin(held, sink);
-            self.row_m.swap_with_slice(self.held_m);
+            mem::swap(&mut self.row_m, &mut self.held_m);
             self.push(held, 0.0, sink);
-            self.row_m.swap_with_slice(self.held_m);
+            mem::swap(&mut self.row_m, &mut self.held_m);
             self.push(place, moved_rad, sink);
         } else {
             self.drop_held(sink);
-            self.held_m.copy_from_slice(self.row_m);
+            mem::swap(&mut self.row_m, &mut self.held_m);
             self.held = Some(place);
         }
     }

@@ -12,7 +12,7 @@ use super::{Failure, print};
 
 /// Print the results that a board sends over its link
 ///
-/// Reads frames to the end of the file or stream. The rate of a serial device is set beforehand, with stty.
+/// Reads frames to the end of the file or stream. A serial device is set up beforehand: stty -F DEVICE 115200 raw -echo
 #[derive(Args)]
 pub struct Arguments {
     /// File or device; - for standard input
@@ -29,12 +29,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut decoder = Decoder::new();
     let (mut messages, mut lost, mut damaged) = (0u64, 0u64, 0u64);
     let mut buffer = [0; 4096];
-    loop {
+    let end = loop {
         let count = match source.read(&mut buffer) {
-            Ok(0) => break,
+            Ok(0) => break Ok(()),
             Ok(count) => count,
             Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
-            Err(e) => return Err(failed(e).into()),
+            // A device that was unplugged.
+            Err(e) => break Err(failed(e)),
         };
         let mut text = String::new();
         decoder.feed(&buffer[..count], |received| {
@@ -45,9 +46,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             line(&received).into_iter().for_each(|line| text += &(line + "\n"));
         });
         print(&text)?;
-    }
+    };
     if messages == 0 {
+        end?;
         return Err(format!("{name}: no frame of the link in it").into());
     }
-    print(&format!("{messages} messages, {lost} lost, {damaged} damaged\n"))
+    print(&format!("{messages} messages, {lost} lost, {damaged} damaged\n"))?;
+    Ok(end?)
 }

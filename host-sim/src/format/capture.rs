@@ -218,13 +218,7 @@ struct Telegrams {
 impl Telegrams {
     /// Those like the first.
     fn find(raw: &[u8], range_bits: u32) -> Option<Telegrams> {
-        let modes = [
-            MeasuringMode::Range8Fields,
-            MeasuringMode::Range16Fields,
-            MeasuringMode::Range32Field,
-            MeasuringMode::Range32Immediate,
-        ];
-        let mode = modes.into_iter().find(|mode| mode.range_bits() == range_bits)?;
+        let mode = MeasuringMode::ALL.into_iter().find(|mode| mode.range_bits() == range_bits)?;
         let (mut decoder, mut used, mut start) = (Decoder::new(), 0, 0);
         let mut found: Option<Telegrams> = None;
         loop {
@@ -258,28 +252,16 @@ impl Telegrams {
 }
 
 fn variant(columns: u16) -> Option<Variant> {
-    [Variant::Deg100Step1, Variant::Deg100Step05, Variant::Deg100Step025, Variant::Deg180Step1, Variant::Deg180Step05]
-        .into_iter()
-        .find(|variant| variant.columns() == columns)
+    Variant::ALL.into_iter().find(|variant| variant.columns() == columns)
 }
 
 fn settings(baud: &str, columns: &str, unit_mm: &str, mode: &str, interlaced: &str) -> Option<Settings> {
     let (baud, unit_mm, mode): (u32, u32, u8) = (baud.parse().ok()?, unit_mm.parse().ok()?, mode.parse().ok()?);
-    let modes = [
-        MeasuringMode::Range8Fields,
-        MeasuringMode::Range8Reflector,
-        MeasuringMode::Range8FieldsAbc,
-        MeasuringMode::Range16Reflector,
-        MeasuringMode::Range16Fields,
-        MeasuringMode::Range32Reflector,
-        MeasuringMode::Range32Field,
-        MeasuringMode::Range32Immediate,
-    ];
     Some(Settings {
         baud: Baud::ALL.into_iter().find(|rate| rate.bits_per_s() == baud)?,
         variant: variant(columns.parse().ok()?)?,
-        unit: [Unit::Centimetre, Unit::Millimetre, Unit::Decimetre].into_iter().find(|unit| unit.mm() == unit_mm)?,
-        mode: modes.into_iter().find(|known| known.code() == mode)?,
+        unit: Unit::ALL.into_iter().find(|unit| unit.mm() == unit_mm)?,
+        mode: MeasuringMode::ALL.into_iter().find(|known| known.code() == mode)?,
         interlaced: interlaced.parse().ok()?,
     })
 }

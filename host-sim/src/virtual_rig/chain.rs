@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
-use scanseg_hal::lms2xx::{Action, Baud, Session, Settings};
+use scanseg_hal::lms2xx::{Action, Baud, Phase, Session, Settings};
 use scanseg_hal::pairing::Latch;
 use scanseg_hal::rig::{Rig, RigSink, RowSegmenter};
 
@@ -102,6 +102,12 @@ impl<'a, S: RowSegmenter> Chain<'a, S> {
     #[must_use]
     pub fn now_us(&self) -> u64 {
         self.now_us
+    }
+
+    /// How far the session is with its scanner.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        self.session.phase()
     }
 
     /// Does what the session says once; a wait is taken in steps of a millisecond.

@@ -55,6 +55,13 @@ enum Mode {
     Install,
     Complete,
     Interlaced,
+    /// Columns, 1-based.
+    SubRange {
+        first: u16,
+        last: u16,
+    },
+    /// One complete scan.
+    Once,
 }
 
 /// What is done when an answer has gone out.
@@ -158,7 +165,7 @@ impl VirtualLms {
     /// It sends scans.
     #[must_use]
     pub fn is_scanning(&self) -> bool {
-        matches!(self.mode, Mode::Complete | Mode::Interlaced)
+        !matches!(self.mode, Mode::Idle | Mode::Install)
     }
 
     /// Puts these bytes on its line, one right after the other from `now_us` on. Returns when the last has gone.
@@ -325,6 +332,11 @@ impl VirtualLms {
                     [0x24] => (0, Mode::Complete),
                     [0x25] => (0, Mode::Idle),
                     [0x2A] => (0, Mode::Interlaced),
+                    &[0x27, a, b, c, d] => {
+                        let (first, last) = (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
+                        let known = first > 0 && first <= last && last <= self.variant.columns();
+                        if known { (0, Mode::SubRange { first, last }) } else { (1, self.mode) }
+                    }
                     [rate @ (0x40 | 0x41 | 0x42 | 0x48)] => {
                         after = After::Rate(match rate {
                             0x40 => Baud::B38400,
@@ -341,14 +353,9 @@ impl VirtualLms {
                 (100_000, vec![0xA0, result])
             }
             [0x3B, rest @ ..] => {
-                let variant = match rest {
-                    [0x64, 0, 0x64, 0] => Some(Variant::Deg100Step1),
-                    [0x64, 0, 0x32, 0] => Some(Variant::Deg100Step05),
-                    [0x64, 0, 0x19, 0] => Some(Variant::Deg100Step025),
-                    [0xB4, 0, 0x64, 0] => Some(Variant::Deg180Step1),
-                    [0xB4, 0, 0x32, 0] => Some(Variant::Deg180Step05),
-                    _ => None,
-                };
+                let variant = Variant::ALL.into_iter().find(|variant| {
+                    rest == [variant.view_deg().to_le_bytes(), variant.step_cdeg().to_le_bytes()].as_flattened()
+                });
                 self.variant = variant.unwrap_or(self.variant);
                 (500_000, [&[0xBB, u8::from(variant.is_some())], rest].concat())
             }
@@ -361,6 +368,17 @@ impl VirtualLms {
                 }
                 (4_000_000, [&[0xF7, u8::from(written)], &self.configuration[..]].concat())
             }
+            // The scan is the answer.
+            [0x30, 0x01] => {
+                (self.mode, self.turns_running) = (Mode::Once, 0);
+                (0, vec![])
+            }
+            // Version, mode, and 143 bytes more, of which nothing is known here.
+            [0x31] => {
+                let mode = if self.is_scanning() { 0x24 } else { 0x25 };
+                (10_000, [&[0xB1], &b"V02.10 "[..], &[mode], &[0; 143]].concat())
+            }
+            [0x32] => (10_000, vec![0xB2, 0, 0]),
             [0x3A] => (10_000, [&[0xBA], TYPE].concat()),
             _ => (10_000, vec![0x92]),
         };
@@ -385,8 +403,14 @@ impl VirtualLms {
         let turn_us = 40_000.0 / 3.0;
         let columns = self.variant.columns();
         let unit = u16::from(self.configuration[6]) << 14;
-        let mut payload = vec![0xB0, 0, 0];
-        for column in 0..u64::from(columns) {
+        let (first, last, mut payload) = match self.mode {
+            Mode::SubRange { first, last } => {
+                (first, last, [&[0xB7], &first.to_le_bytes()[..], &last.to_le_bytes(), &[0, 0]].concat())
+            }
+            _ => (1, columns, vec![0xB0, 0, 0]),
+        };
+        let head = payload.len();
+        for column in u64::from(first) - 1..u64::from(last) {
             let of_turn = column % turns;
             if interlaced && of_turn != turn {
                 continue;
@@ -396,10 +420,13 @@ impl VirtualLms {
             let time_us = now_us as f64 - (turns_ago as f64 + (view_deg - bearing_deg) / 360.0) * turn_us;
             payload.extend((self.ranges)(Beam { bearing_deg, time_us }).to_le_bytes());
         }
-        let count = (payload.len() as u16 - 3) / 2;
+        let count = ((payload.len() - head) / 2) as u16;
         let partial = if interlaced { 0x2000 | ((turn * 4 / turns) as u16) << 11 } else { 0 };
-        payload[1..3].copy_from_slice(&(count | partial | unit).to_le_bytes());
+        payload[head - 2..head].copy_from_slice(&(count | partial | unit).to_le_bytes());
         payload.push(0x10);
+        if self.mode == Mode::Once {
+            self.mode = Mode::Idle;
+        }
         self.put(now_us, &telegram(&payload));
     }
 
