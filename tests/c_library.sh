@@ -17,12 +17,12 @@ quiet() { # runs a command, shows what it says if it fails
 
 "$capi/build.sh" "$lib"
 
-# nothing but our names goes out, and nothing but C's comes in
+# nothing but our names goes out, and of C nothing but copying comes in: not even `abort`, for there is no panic
 names=$(nm -g --defined-only "$lib/libscanseg.a" | awk 'NF == 3 { print $3 }')
 others=$(grep -v '^scanseg_' <<<"$names" || true)
 [ -n "$names" ] && [ -z "$others" ] || { echo "exported: $others"; exit 1; }
 wanted=$(nm -u "$lib/libscanseg.a" | awk '$1 == "U" { print $2 }' | sort | tr '\n' ' ')
-[ "$wanted" = "abort memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
+[ "$wanted" = "memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
 echo "exported: $(wc -l <<<"$names") functions scanseg_*; wanted from C: $wanted"
 
 c="-std=c99 -g -O1 -Wall -Wextra -pedantic -Werror"
