@@ -88,18 +88,16 @@ impl Sweep {
     /// The mean of [`Sweep::age_us`] over the telegram's columns: the age of the row as a whole.
     #[must_use]
     pub fn mean_age_us(&self) -> f32 {
-        // in whole quarter degrees, for processors without floating point
-        let sum: u32 = (0..self.columns).map(|column| self.age_quarters(column)).sum();
-        sum as f32 / (1440.0 * f32::from(self.columns.max(1))) * MIRROR_TURN_US
-    }
-
-    /// [`Sweep::age_us`] in quarter degrees of the mirror's turn, for columns of the telegram.
-    fn age_quarters(&self, column: u16) -> u32 {
-        let column = u32::from(column) + u32::from(self.first_column);
-        let mask = u32::from(self.turn_mask);
-        let turns_after = mask - (column & mask);
-        let quarter = u32::from(self.first_quarter) + column * u32::from(self.step_quarters);
-        turns_after * 1440 + u32::from(self.view_quarters).saturating_sub(quarter)
+        // sums in whole quarter degrees of the mirror's turn
+        let [first, columns, turns] = [self.first_column, self.columns, self.turn_mask + 1].map(u32::from);
+        let quarters = columns * u32::from(self.first_quarter)
+            + u32::from(self.step_quarters) * columns * (2 * first + columns).saturating_sub(1) / 2;
+        // columns up to a number that are of a turn, the first being turn 0
+        let of_turn = |turn: u32, to: u32| (to + turns - 1 - turn).checked_div(turns).unwrap_or(0);
+        let turns_after: u32 =
+            (0..turns).map(|turn| (turns - 1 - turn) * (of_turn(turn, first + columns) - of_turn(turn, first))).sum();
+        let sum = (turns_after * 1440 + columns * u32::from(self.view_quarters)).saturating_sub(quarters);
+        sum as f32 / (1440.0 * columns.max(1) as f32) * MIRROR_TURN_US
     }
 }
 

@@ -7,15 +7,18 @@
 use core::sync::atomic::AtomicU32;
 use core::sync::atomic::Ordering::Relaxed;
 
-use scanseg_core::{Finished, PushError, Sink, Status};
-use scanseg_hal::rig::RowSegmenter;
+use core::ops::ControlFlow;
+
+use scanseg_core::{Finished, Join, LabelRow, PushError, Segment, Sink, Status};
+use scanseg_hal::lms2xx::Trouble;
+use scanseg_hal::rig::{Dropped, RigSink, RowSegmenter, ScanFinished, ScanStarted};
 
 /// A record of figures: this, then [`COUNT`] words, all lowest byte first.
 pub const MAGIC: u32 = 0x5E6F_1605;
 
-/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of
-/// stack used, bytes of stack there are.
-pub const COUNT: usize = 6;
+/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink (planes, frames), waits, ticks of
+/// [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes of stack there are.
+pub const COUNT: usize = 7;
 
 /// See [`COUNT`].
 pub const EMPTY_WAITS: u32 = 1000;
@@ -49,26 +52,61 @@ mod nothing {
 #[cfg(not(all(feature = "figures", target_os = "none")))]
 pub use nothing::{begin, now, pause, resume, send};
 
-/// Ticks within the segmenter.
+/// Ticks within the segmenter, and within its sink.
 static IN_SEGMENTER: AtomicU32 = AtomicU32::new(0);
+static IN_SINK: AtomicU32 = AtomicU32::new(0);
 
-/// A segmenter whose ticks are counted, those of its sink included.
+/// A segmenter, or a sink, whose ticks are counted. Those of a segmenter include its sink's.
 #[derive(Debug)]
 pub struct Timed<S>(pub S);
 
+fn timed<T>(ticks: &AtomicU32, work: impl FnOnce() -> T) -> T {
+    let before = now();
+    let done = work();
+    add(ticks, now().wrapping_sub(before));
+    done
+}
+
 impl<S: RowSegmenter> RowSegmenter for Timed<S> {
     fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
-        let before = now();
-        let status = self.0.push_row(ranges_m, turn_rad, sink);
-        add(&IN_SEGMENTER, now().wrapping_sub(before));
-        status
+        timed(&IN_SEGMENTER, || self.0.push_row(ranges_m, turn_rad, sink))
     }
 
     fn finish(&mut self, sink: &mut impl Sink) -> Finished {
-        let before = now();
-        let finished = self.0.finish(sink);
-        add(&IN_SEGMENTER, now().wrapping_sub(before));
-        finished
+        timed(&IN_SEGMENTER, || self.0.finish(sink))
+    }
+}
+
+/// Rows of labels, which this project's links do not carry, are not counted.
+impl<S: Sink> Sink for Timed<S> {
+    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
+        self.0.row(row)
+    }
+
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        timed(&IN_SINK, || self.0.join(join))
+    }
+
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        timed(&IN_SINK, || self.0.segment(segment))
+    }
+}
+
+impl<S: RigSink> RigSink for Timed<S> {
+    fn scan_started(&mut self, scan: &ScanStarted) {
+        self.0.scan_started(scan);
+    }
+
+    fn row_dropped(&mut self, dropped: Dropped) {
+        self.0.row_dropped(dropped);
+    }
+
+    fn scan_finished(&mut self, scan: &ScanFinished) {
+        self.0.scan_finished(scan);
+    }
+
+    fn trouble(&mut self, trouble: Trouble) {
+        self.0.trouble(trouble);
     }
 }
 

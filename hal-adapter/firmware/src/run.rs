@@ -118,9 +118,9 @@ pub fn run<R: Read, W: Write>(
     let Ports { mut scanner, encoder, mut link } = ports;
     let mut tilt = Tilt::new(As5048a::new(encoder), AHEAD);
     let mut clock = LineClock::new(settings);
-    let mut reporter = Reporter::new(MIN_PIXELS, |frame| {
+    let mut reporter = Timed(Reporter::new(MIN_PIXELS, |frame| {
         let _ = link.write_all(frame);
-    });
+    }));
     #[cfg(feature = "defmt")]
     let mut scans = 0;
     loop {

@@ -98,7 +98,7 @@ impl CommandBytes {
 
     fn push(&mut self, bytes: &[u8]) {
         if let Some(room) = self.bytes.get_mut(self.length..self.length + bytes.len()) {
-            room.copy_from_slice(bytes);
+            room.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
             self.length += bytes.len();
         }
     }
@@ -227,7 +227,7 @@ impl Configuration {
     #[must_use]
     pub fn new(data: &[u8]) -> Option<Self> {
         let mut bytes = [0; MAX_CONFIGURATION];
-        bytes.get_mut(..data.len())?.copy_from_slice(data);
+        bytes.get_mut(..data.len())?.iter_mut().zip(data).for_each(|(to, &byte)| *to = byte);
         (data.len() > Self::UNIT).then_some(Self { bytes, length: data.len() })
     }
 

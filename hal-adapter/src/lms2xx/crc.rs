@@ -8,14 +8,16 @@
 /// of the next flipped together, so a telegram must pass further checks before it is believed.
 #[must_use]
 pub fn check_word(bytes: &[u8]) -> u16 {
-    let mut crc = 0u16;
-    let mut previous = 0u8;
+    // in 32 bits, of which the lower half counts: half the instructions of 16 on a 32-bit processor
+    let mut crc = 0u32;
+    let mut previous = 0;
     for &byte in bytes {
-        let carry = if crc & 0x8000 != 0 { 0x8005 } else { 0 };
-        crc = (crc << 1) ^ carry ^ u16::from_le_bytes([byte, previous]);
+        let byte = u32::from(byte);
+        let carry = ((crc << 16) as i32 >> 31) as u32 & 0x8005;
+        crc = (crc << 1) ^ carry ^ byte ^ (previous << 8);
         previous = byte;
     }
-    crc
+    crc as u16
 }
 
 #[cfg(test)]

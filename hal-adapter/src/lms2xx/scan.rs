@@ -214,6 +214,19 @@ impl<'a> Scan<'a> {
         self.values.chunks_exact(2).map(|pair| pair.iter().rev().fold(0, |word, &byte| word << 8 | u16::from(byte)))
     }
 
+    /// The ranges from right to left in metres, 0 where there was no return to measure; as many as there are, or as there is
+    /// room for.
+    pub fn ranges_m(&self, mode: MeasuringMode, to_m: &mut [f32]) {
+        let unit_mm = self.unit().mm();
+        for (to_m, word) in to_m.iter_mut().zip(self.words()) {
+            let range_mm = match Beam::new(word, mode).reading {
+                Reading::Range(counts) => u32::from(counts) * unit_mm,
+                _ => 0,
+            };
+            *to_m = range_mm as f32 / 1000.0;
+        }
+    }
+
     /// The values from right to left, read as the scanner's measuring mode demands.
     pub fn beams(&self, mode: MeasuringMode) -> impl ExactSizeIterator<Item = Beam> + Clone + use<'a> {
         self.words().map(move |word| Beam::new(word, mode))

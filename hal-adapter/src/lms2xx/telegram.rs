@@ -300,7 +300,7 @@ impl Decoder {
             self.first = 0;
         }
         if let Some(room) = self.buffer.get_mut(self.end..self.end + bytes.len()) {
-            room.copy_from_slice(bytes);
+            room.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
             self.end += bytes.len();
         }
     }

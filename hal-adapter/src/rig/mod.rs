@@ -240,9 +240,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
         match self.place(turn) {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
-                for (to_m, beam) in self.row_m.iter_mut().zip(scan.beams(self.settings.mode)) {
-                    *to_m = beam.range_mm(scan.unit()).map_or(0.0, |mm| mm as f32 / 1000.0);
-                }
+                scan.ranges_m(self.settings.mode, self.row_m);
                 self.row(place, sink);
             }
         }

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-use scanseg_core::{EdgeSegmenter, RegionSegmenter};
+use scanseg_core::{EdgeSegmenter, PlaneSegmenter, RegionSegmenter};
 use scanseg_firmware::figures::Timed;
 use scanseg_firmware::run::{CONFIG, LineClock, Ports, limits, run};
 use scanseg_hal::lms2xx::{Session, Settings};
@@ -31,6 +31,7 @@ pub struct Expected {
 pub enum Approach {
     Edge,
     Region,
+    Plane,
 }
 
 impl Approach {
@@ -38,6 +39,7 @@ impl Approach {
         match self {
             Approach::Edge => "edge-based",
             Approach::Region => "region-based",
+            Approach::Plane => "default",
         }
     }
 
@@ -46,6 +48,7 @@ impl Approach {
         match self {
             Approach::Edge => "",
             Approach::Region => "-region",
+            Approach::Plane => "-plane",
         }
     }
 }
@@ -58,6 +61,7 @@ pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labe
     match approach {
         Approach::Edge => chain(stream, settings, EdgeSegmenter::new(CONFIG, beams, columns, memory)?),
         Approach::Region => chain(stream, settings, RegionSegmenter::new(CONFIG, beams, columns, memory)?),
+        Approach::Plane => chain(stream, settings, PlaneSegmenter::new(CONFIG, beams, columns, memory)?),
     }
 }
 

@@ -30,16 +30,19 @@ struct Machine {
     settings: Settings,
     max_labels: Option<usize>,
     tick_ns: f64,
-    /// Ceilings of the edge-based approach, and of the region-based.
-    most: [Most; 2],
+    /// Ceilings of the edge-based approach, of the region-based, and of the default.
+    most: [Most; 3],
 }
 
-/// What must not be passed: instructions per point, bytes of flash, bytes of memory with the stack.
+/// What must not be passed: instructions per point up to the labels, bytes of flash, bytes of memory with the stack.
 struct Most(f64, u32, u32);
 
-/// A Cortex-M4F is to need no more than 400 instructions per point, and does not yet (README.md): this keeps what there is.
-const MPS2_MOST: [Most; 2] = [Most(880.0, 48 * 1024, 33_000), Most(1350.0, 52 * 1024, 33_000)];
-const MICROBIT_MOST: [Most; 2] = [Most(8400.0, 64 * 1024, 16 * 1024), Most(22_000.0, 64 * 1024, 16 * 1024)];
+/// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet (README.md): these keep what
+/// there is.
+const MPS2_MOST: [Most; 3] =
+    [Most(560.0, 48 * 1024, 33_000), Most(1350.0, 52 * 1024, 33_000), Most(3000.0, 64 * 1024, 33_000)];
+const MICROBIT_MOST: [Most; 3] =
+    [Most(8400.0, 64 * 1024, 16 * 1024), Most(22_000.0, 64 * 1024, 16 * 1024), Most(30_000.0, 64 * 1024, 16 * 1024)];
 
 const MACHINES: [Machine; 3] = [
     Machine {
@@ -96,11 +99,26 @@ fn check(images: &Path) -> Result<bool> {
     let recording = Recording::load()?;
     println!("{}, {} rows", recording.name, recording.rows());
     println!(
-        "{:<10} {:>7} | {:>17} {:>8} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
-        "", "columns", "instructions/point", "segment.", "text", "rodata", "data", "flash", "static", "stack", "memory"
+        "{:<10} {:>7} | {:>18} {:>7} {:>9} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
+        "", "", "instructions/point", "", "", "flash", "", "", "", "memory", "", ""
+    );
+    println!(
+        "{:<10} {:>7} | {:>18} {:>7} {:>9} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
+        "",
+        "columns",
+        "byte to label",
+        "frames",
+        "segmenter",
+        "text",
+        "rodata",
+        "data",
+        "all",
+        "static",
+        "stack",
+        "all"
     );
     let mut good = true;
-    for approach in [Approach::Edge, Approach::Region] {
+    for approach in [Approach::Edge, Approach::Region, Approach::Plane] {
         println!("{}", approach.name());
         for machine in &MACHINES {
             good &= machine.check(images, &recording, approach)?;
@@ -134,17 +152,18 @@ impl Machine {
             }
         }
         let points = (recording.rows() * usize::from(self.settings.variant.columns())) as f64;
-        let Some(figures) = Figures::read(record, self.tick_ns, points) else {
+        let Some(figures) = Figures::read(record, self.tick_ns, points, expected.link.len()) else {
             println!("{}: no figures came", self.name);
             return Ok(false);
         };
         let size = Size::of(&plain)?;
         let memory = size.memory() + figures.stack;
         println!(
-            "{:<10} {:>7} | {:>17.1} {:>8.1} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
+            "{:<10} {:>7} | {:>18.0} {:>7.0} {:>9.0} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
             self.core,
             self.settings.variant.columns(),
-            figures.all,
+            figures.labels,
+            figures.frames,
             figures.segmenter,
             size.text,
             size.rodata,
@@ -156,7 +175,7 @@ impl Machine {
         );
         println!("           {summary:?}, {} bytes equal", expected.link.len());
         let Most(most, most_flash, most_memory) = self.most[approach as usize];
-        let good = figures.all <= most && size.flash() <= most_flash && memory <= most_memory;
+        let good = figures.labels <= most && size.flash() <= most_flash && memory <= most_memory;
         if !good {
             println!(
                 "{}: above a ceiling ({most} instructions/point, {most_flash} and {most_memory} bytes)",
@@ -200,19 +219,29 @@ impl Summary {
     }
 }
 
-/// Instructions per point, of all and of the segmenter with what it reports; bytes of stack.
+/// Instructions per point, bytes of stack.
 struct Figures {
-    all: f64,
+    /// From the byte that comes to the label.
+    labels: f64,
+    /// Of what is reported besides: planes, and frames for the host.
+    frames: f64,
+    /// Of the segmenter, within `labels`.
     segmenter: f64,
     stack: u32,
 }
 
 impl Figures {
-    fn read(record: &[u8], tick_ns: f64, points: f64) -> Option<Self> {
+    /// `sent` is the number of bytes of frames: each was waited for once.
+    fn read(record: &[u8], tick_ns: f64, points: f64, sent: usize) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        let [MAGIC, ticks, in_segmenter, waits, empty_ticks, stack, _] = words[..] else { return None };
-        let per_point = |ticks: f64| ticks * tick_ns / INSTRUCTION_NS / points;
-        let of_waits = f64::from(waits) * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);
-        Some(Self { all: per_point(f64::from(ticks) - of_waits), segmenter: per_point(in_segmenter.into()), stack })
+        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _] = words[..] else { return None };
+        let without_waits = |ticks: u32, waits: f64| {
+            let ticks = f64::from(ticks) - waits * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);
+            ticks * tick_ns / INSTRUCTION_NS / points
+        };
+        let sent = sent as f64;
+        let (all, frames) = (without_waits(ticks, waits.into()), without_waits(in_sink, sent));
+        let segmenter = without_waits(in_segmenter, sent) - frames;
+        Some(Self { labels: all - frames, frames, segmenter, stack })
     }
 }

@@ -5,9 +5,11 @@
 
 use core::mem::MaybeUninit;
 
-#[cfg(not(feature = "region"))]
+#[cfg(not(any(feature = "plane", feature = "region")))]
 use scanseg_core::EdgeSegmenter as Segmenter;
-#[cfg(feature = "region")]
+#[cfg(feature = "plane")]
+use scanseg_core::PlaneSegmenter as Segmenter;
+#[cfg(all(feature = "region", not(feature = "plane")))]
 use scanseg_core::RegionSegmenter as Segmenter;
 use scanseg_core::buffers;
 use scanseg_firmware::figures::{self, Timed};

@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use embedded_io::Write;
 
-use super::{COUNT, EMPTY_WAITS, IN_SEGMENTER, MAGIC, add};
+use super::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, add};
 use crate::register::Register;
 
 static WAITS: AtomicU32 = AtomicU32::new(0);
@@ -119,8 +119,9 @@ pub fn now() -> u32 {
 pub fn send(mut link: impl Write) {
     let ticks = now() - EMPTY_TICKS.load(Relaxed);
     let (used, there_are) = stack();
-    let words: [u32; COUNT] =
-        [ticks, IN_SEGMENTER.load(Relaxed), WAITS.load(Relaxed), EMPTY_TICKS.load(Relaxed), used, there_are];
+    let [segmenter, sink, waits, empty] =
+        [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS].map(|word| word.load(Relaxed));
+    let words: [u32; COUNT] = [ticks, segmenter, sink, waits, empty, used, there_are];
     for word in [MAGIC].into_iter().chain(words) {
         let _ = link.write_all(&word.to_le_bytes());
     }

@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 
-use embedded_io::{ErrorType, Read, Write};
+use embedded_io::{ErrorType, Read, ReadExactError, Write};
 
 use crate::figures;
 use crate::register::Register;
@@ -46,6 +46,17 @@ impl Read for Uart {
         figures::resume();
         *byte = self.data.read() as u8;
         Ok(1)
+    }
+
+    /// As `read`, without its detours for each byte.
+    fn read_exact(&mut self, bytes: &mut [u8]) -> Result<(), ReadExactError<Infallible>> {
+        for byte in bytes {
+            figures::pause();
+            while self.state.read() & RX_FULL == 0 {}
+            figures::resume();
+            *byte = self.data.read() as u8;
+        }
+        Ok(())
     }
 }
 
