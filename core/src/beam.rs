@@ -409,7 +409,7 @@ fn even_vers(columns: &Columns, offset: isize) -> Option<f32> {
 fn listed_vers(columns: &Columns, from: usize, offset: isize, count: usize, out: &mut Lane) {
     let Columns::Listed(list) = *columns else { return };
     for (i, out) in out.iter_mut().enumerate() {
-        let before = ((from + i) as isize - offset).rem_euclid(count as isize) as usize;
+        let before = ((from + i) as isize - offset).checked_rem_euclid(count as isize).unwrap_or(0) as usize;
         let pair = list.get(from + i).zip(list.get(before));
         *out = pair.map_or(0.0, |(a, b)| vers(a - b));
     }

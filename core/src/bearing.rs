@@ -12,6 +12,7 @@ use crate::beam::{BeamAngle, Beams, Fan, MIN_BEAM_ANGLE_RAD, Pair, RowBeam, roun
 use crate::bits::{CHUNK, load};
 use crate::config::{Config, Trace};
 use crate::error::ConfigError;
+use crate::within::at;
 
 /// Bearing angles in images are whole counts of pi / 65535; 0 means none.
 pub const COUNTS_PER_RAD: f32 = 65535.0 / core::f32::consts::PI;
@@ -45,38 +46,27 @@ pub fn bearing_angle_rad(range_m: f32, previous_range_m: f32, angle: BeamAngle) 
     atan2(y, x)
 }
 
-/// atan2 for y >= 0: pi/2 - atan(x / y). The polynomial is the minimax fit of atan on 0 to 1 of its degree: 1.7e-6 rad.
+/// atan2 for y >= 0, by the smaller of y / x and x / y. The polynomial is the minimax fit of atan on -1 to 1 of its degree:
+/// 1.7e-6 rad.
 #[cfg(not(feature = "micromath"))]
 #[inline(always)]
 fn atan2(y: f32, x: f32) -> f32 {
-    use core::f32::consts::FRAC_PI_2;
+    use core::f32::consts::{FRAC_PI_2, PI};
     const P: [f32; 6] = [0.999_977_2, -0.332_622_83, 0.193_540_38, -0.116_426_48, 0.052_647_35, -0.011_719_135];
-    let ax = x.abs();
-    // two comparisons, not one condition for both: compilers then keep one polynomial instead of two
-    // (and not f32::min and max: those look after NaN, which cannot come here)
-    let low = if y < ax { y } else { ax };
-    let high = if ax < y { y } else { ax };
-    let a = low / high;
+    // neither is negative: their bits are in the order of the numbers
+    let flat = y.to_bits() < x.abs().to_bits();
+    let (part, of) = if flat { (y, x) } else { (x, y) };
+    let a = part / of;
     let t = a * a;
     let r = a * (P[0] + t * (P[1] + t * (P[2] + t * (P[3] + t * (P[4] + t * P[5])))));
-    let r = if high > y { FRAC_PI_2 - r } else { r };
-    FRAC_PI_2 - r.copysign(x)
+    let along = if x.is_sign_negative() { PI } else { 0.0 };
+    if flat { along + r } else { FRAC_PI_2 - r }
 }
 
 #[cfg(feature = "micromath")]
 #[inline(always)]
 fn atan2(y: f32, x: f32) -> f32 {
     micromath::F32Ext::atan2(y, x)
-}
-
-/// Bearing angle in counts, 0 for none. A range of 0 is none.
-#[inline(always)]
-pub(crate) fn count(range_m: f32, previous_range_m: f32, angle: BeamAngle) -> i32 {
-    const MIN_VERS: f32 = 0.5 * MIN_BEAM_ANGLE_RAD * MIN_BEAM_ANGLE_RAD;
-    let count = round(bearing_angle_rad(range_m, previous_range_m, angle) * COUNTS_PER_RAD);
-    let count = if count < 1 { 1 } else { count };
-    let known = (range_m > 0.0) & (previous_range_m > 0.0) & (angle.vers >= MIN_VERS);
-    if known { count } else { 0 }
 }
 
 /// A row of ranges and what is known of it.
@@ -119,7 +109,8 @@ pub fn bearing_row(
     for (i, out) in out.chunks_mut(CHUNK).enumerate() {
         let pairs = lanes.chunk(i * CHUNK, now.ranges_m, before.ranges_m);
         for (i, out) in out.iter_mut().enumerate() {
-            *out = pairs.get(i, config).2 as u16;
+            let pair = pairs.get(i, config);
+            *out = if pair.missing >> 31 == 0 { pair.count as u16 } else { 0 };
         }
     }
     Ok(())
@@ -174,12 +165,31 @@ pub(crate) struct Pairs<'a> {
 }
 
 impl Pairs<'_> {
-    /// Range, previous range (0 for no return) and bearing angle in counts (0 for none) of the `i`-th pair.
+    /// The `i`-th pair.
     #[inline(always)]
-    pub fn get(&self, i: usize, config: &Config) -> (f32, f32, i32) {
-        let (now_m, before_m) = (config.clean(self.now_m[i]), config.clean(self.before_m[i]));
-        (now_m, before_m, count(now_m, before_m, BeamAngle { sin: self.sin[i], vers: self.vers[i] }))
+    pub fn get(&self, i: usize, config: &Config) -> Pixel {
+        let (now_m, before_m) = (self.now_m[i], self.before_m[i]);
+        let angle = BeamAngle { sin: self.sin[i], vers: self.vers[i] };
+        Pixel {
+            change_m: now_m - before_m,
+            count: round(bearing_angle_rad(now_m, before_m, angle) * COUNTS_PER_RAD).max(1),
+            // a difference below 0 has the highest bit
+            missing: config.no_return(now_m) | config.no_return(before_m) | angle.vers.to_bits().wrapping_sub(MIN_VERS),
+        }
     }
+}
+
+/// Bits of vers Phi of two beams that just have a bearing angle. Those of a smaller one are less.
+const MIN_VERS: u32 = (0.5 * MIN_BEAM_ANGLE_RAD * MIN_BEAM_ANGLE_RAD).to_bits();
+
+/// What is found of a pair of pixels.
+pub(crate) struct Pixel {
+    /// Change of range.
+    pub change_m: f32,
+    /// Bearing angle in counts, 1 at least.
+    pub count: i32,
+    /// The highest bit says whether the others mean nothing: a return is missing, or the beams coincide.
+    pub missing: u32,
 }
 
 /// The ranges of the columns from `first` on; 0 outside of the image.
@@ -195,7 +205,7 @@ fn gather(row_m: &[f32], first: isize, wraps: bool, out: &mut [f32; CHUNK]) {
     if wraps {
         for (out, column) in out.iter_mut().zip(first..) {
             if !(0..columns).contains(&column) {
-                *out = row_m[column.rem_euclid(columns) as usize];
+                *out = column.checked_rem_euclid(columns).map_or(0.0, |column| at(row_m, column as usize));
             }
         }
     }

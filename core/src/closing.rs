@@ -6,6 +6,7 @@
 
 use crate::bits::{CHUNK, mask};
 use crate::config::Element;
+use crate::within::at;
 
 /// The shape of the image that a row belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +38,7 @@ impl Shape {
         // (what is spread to the left and right: the pixels themselves or the three rows; what is not)
         let column = |w: usize| {
             let mask = if w + 1 == words { last_mask } else { u32::MAX };
-            let (a, c, b) = ((above[w] ^ flip) & mask, (centre[w] ^ flip) & mask, (below[w] ^ flip) & mask);
+            let [a, c, b] = [above, centre, below].map(|row| (at(row, w) ^ flip) & mask);
             match self.element {
                 Element::Plus => (c, a | b),
                 Element::Square => (a | b | c, 0),

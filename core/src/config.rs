@@ -128,12 +128,19 @@ impl Config<'_> {
         3.0 * core::f32::consts::SQRT_2 * self.range_noise_m
     }
 
+    /// The highest bit says whether a range is no return; the others mean nothing.
+    #[inline(always)]
+    pub(crate) fn no_return(&self, range_m: f32) -> u32 {
+        // the bits of positive numbers are in the order of the numbers, those of NaN and of negative numbers are above them
+        let [least, most, range] = [self.min_range_m, self.max_range_m, range_m].map(f32::to_bits);
+        let (above, room) = (range.wrapping_sub(least), most.wrapping_sub(least));
+        above | room.wrapping_sub(above)
+    }
+
     /// The range of a return, 0 for none.
     #[inline(always)]
     pub(crate) fn clean(&self, range_m: f32) -> f32 {
-        // false for NaN; an infinite range is beyond any maximum
-        let valid = (range_m >= self.min_range_m) & (range_m <= self.max_range_m);
-        if valid { range_m } else { 0.0 }
+        if self.no_return(range_m) >> 31 == 0 { range_m } else { 0.0 }
     }
 
     pub(crate) fn check(&self) -> Result<(), ConfigError> {

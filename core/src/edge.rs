@@ -7,7 +7,7 @@
 //! Step edges: a bearing angle near 0 or pi, where the range changes by more than the noise.
 
 use crate::beam::round;
-use crate::bearing::{COUNTS_PER_RAD, Pairs};
+use crate::bearing::{COUNTS_PER_RAD, Pairs, Pixel};
 use crate::bits::{CHUNK, pack};
 use crate::config::Config;
 
@@ -16,77 +16,119 @@ use crate::config::Config;
 pub(crate) struct Thresholds {
     /// Of |Gx| + |Gy|, eighths.
     roof: u16,
-    /// Of the bearing angle, counts.
-    step: i32,
+    /// First and number of the counts that are farther from 0 and pi than a step's.
+    between: (i32, i32),
     /// Of the change of range, metres.
     step_range_m: f32,
 }
 
 impl Thresholds {
     pub fn new(config: &Config) -> Self {
+        let step = round(config.step_angle_rad * COUNTS_PER_RAD);
         Self {
             roof: round(config.roof_angle_rad * (COUNTS_PER_RAD / 2.0)) as u16,
-            step: round(config.step_angle_rad * COUNTS_PER_RAD),
+            between: (step + 1, (65534 - 2 * step).max(0)),
             step_range_m: config.step_range_m(),
         }
     }
 }
 
-/// A bearing angle as Sobel takes it: 1 to 8192 for counts of 1 to 65535, 0 for none.
-#[inline(always)]
-fn eighth(count: i32) -> u16 {
-    ((count + 7) >> 3) as u16
+/// The bit of an eighth that says that there is no bearing angle; the others then mean nothing.
+pub(crate) const GAP: u16 = 1 << 15;
+
+/// Sobel's kernel on its way along a row: three rows of eighths, of which the last two columns are remembered.
+pub(crate) struct Sobel {
+    roof: u16,
+    /// Above, centre, below.
+    last: [[u16; 2]; 3],
 }
 
-/// Eighths of a chunk with one more column at either side: index 0 is the column to the left of the chunk.
-pub(crate) type Halo = [u16; CHUNK + 2];
-
-/// Roof edges of a chunk, packed, from three rows.
-#[inline(always)]
-pub(crate) fn roofs(above: &Halo, centre: &Halo, below: &Halo, thresholds: &Thresholds) -> u32 {
-    let mut least = u16::MAX;
-    for i in 0..CHUNK + 2 {
-        least = least.min(above[i]).min(centre[i]).min(below[i]);
+impl Sobel {
+    /// Starts to the right of a column, `[above, centre, below]`; all [`GAP`] for none.
+    pub fn new(thresholds: &Thresholds, left: [u16; 3]) -> Self {
+        Self { roof: thresholds.roof, last: left.map(|eighth| [GAP, eighth]) }
     }
-    if least > 0 {
-        sobel::<false>(above, centre, below, thresholds)
-    } else {
-        sobel::<true>(above, centre, below, thresholds)
+
+    /// Roof edges, packed, of the columns from the one before the chunk to the last but one in it.
+    #[inline(always)]
+    pub fn next(&mut self, above: &[u16; CHUNK], centre: &[u16; CHUNK], below: &[u16; CHUNK]) -> u32 {
+        let [mut left, mut middle] = [0, 1].map(|i| column_sums(self.last[0][i], self.last[1][i], self.last[2][i]));
+        let mut gaps = self.last.as_flattened().iter().fold(0, |gaps, eighth| gaps | eighth);
+        let mut edges = [false; CHUNK];
+        for i in 0..CHUNK {
+            gaps |= above[i] | centre[i] | below[i];
+            let right = column_sums(above[i], centre[i], below[i]);
+            edges[i] = strength(left, middle, right) >= self.roof;
+            (left, middle) = (middle, right);
+        }
+        let mut edges = pack(&edges);
+        if gaps & GAP != 0 {
+            edges = self.around_gaps(edges, above, centre, below);
+        }
+        self.last = [above, centre, below].map(|row| [row[CHUNK - 2], row[CHUNK - 1]]);
+        edges
+    }
+
+    /// The same where something under the kernel is missing.
+    #[inline(never)]
+    fn around_gaps(&self, mut edges: u32, above: &[u16; CHUNK], centre: &[u16; CHUNK], below: &[u16; CHUNK]) -> u32 {
+        // bit i is column i of the chunk; a kernel's bit is that of its right column
+        let gaps = pack(&core::array::from_fn(|i| (above[i] | centre[i] | below[i]) & GAP != 0));
+        let missing = pack(&centre.map(|eighth| eighth & GAP != 0));
+        let last = [0, 1].map(|i| u32::from(self.last.iter().any(|row| row[i] & GAP != 0)));
+        let own = missing << 1 | u32::from(self.last[1][1] >> 15);
+        let mut near = (gaps | gaps << 1 | gaps << 2 | last[0] | last[1] * 3) & !own;
+        edges &= !own;
+        while near != 0 {
+            let right = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let at = |row: usize, before: usize| match right.checked_sub(before) {
+                Some(i) => [above, centre, below][row][i % CHUNK],
+                None => self.last[row][(right + 2 - before) % 2],
+            };
+            let own = at(1, 1);
+            let sums = |before: usize| {
+                let tap = |row| Some(at(row, before)).filter(|eighth| eighth & GAP == 0).unwrap_or(own);
+                column_sums(tap(0), tap(1), tap(2))
+            };
+            let edge = strength(sums(2), sums(1), sums(0)) >= self.roof;
+            edges = edges & !(1 << right) | u32::from(edge) << right;
+        }
+        edges
     }
 }
 
-/// `GAPS`: some of the eighths may be 0, none.
+/// Sums of the kernel over a column: a + 2 b + c, and c - a. They wrap.
 #[inline(always)]
-fn sobel<const GAPS: bool>(above: &Halo, centre: &Halo, below: &Halo, thresholds: &Thresholds) -> u32 {
-    let mut edges = [false; CHUNK];
-    for i in 0..CHUNK {
-        let own = centre[i + 1];
-        let tap = |eighth: u16| if GAPS && eighth == 0 { own } else { eighth };
-        let (nw, n, ne) = (tap(above[i]), tap(above[i + 1]), tap(above[i + 2]));
-        let (w, e) = (tap(centre[i]), tap(centre[i + 2]));
-        let (sw, s, se) = (tap(below[i]), tap(below[i + 1]), tap(below[i + 2]));
-        // sums of four wrap at 16 bits, their differences fit: 4 x 8191 at most
-        let four = |a: u16, b: u16, c: u16| a.wrapping_add(b << 1).wrapping_add(c);
-        let gx = four(ne, e, se).wrapping_sub(four(nw, w, sw)) as i16;
-        let gy = four(sw, s, se).wrapping_sub(four(nw, n, ne)) as i16;
-        let strength = gx.unsigned_abs() + gy.unsigned_abs();
-        edges[i] = (strength >= thresholds.roof) & (!GAPS | (own != 0));
-    }
-    pack(&edges)
+fn column_sums(above: u16, centre: u16, below: u16) -> (u16, u16) {
+    (above.wrapping_add(centre << 1).wrapping_add(below), below.wrapping_sub(above))
 }
 
-/// Bearing angles of a chunk in eighths; returns its step edges, packed.
+/// |Gx| + |Gy|, of three columns. Sums of four eighths wrap at 16 bits, but the differences fit: 4 x 8191 at most. Of gaps
+/// it means nothing.
+#[inline(always)]
+fn strength(left: (u16, u16), middle: (u16, u16), right: (u16, u16)) -> u16 {
+    let gx = right.0.wrapping_sub(left.0);
+    let gy = left.1.wrapping_add(middle.1 << 1).wrapping_add(right.1);
+    (gx as i16).unsigned_abs().wrapping_add((gy as i16).unsigned_abs())
+}
+
+/// Bearing angles of a chunk in eighths, as Sobel takes them: 1 to 8192 for counts of 1 to 65535, with [`GAP`] for none.
+/// Returns its step edges, packed.
 // A function of its own: what it is given cannot overlap what it writes, and the compiler knows.
 #[inline(never)]
 pub(crate) fn bearings(pairs: &Pairs, config: &Config, thresholds: &Thresholds, eighths: &mut [u16; CHUNK]) -> u32 {
-    let (config, thresholds) = (*config, *thresholds);
+    let (config, (first, counts)) = (*config, thresholds.between);
+    let step_range = thresholds.step_range_m.to_bits();
     let mut steps = [false; CHUNK];
     for i in 0..CHUNK {
-        let (range_m, previous_range_m, count) = pairs.get(i, &config);
-        let near = (2 * count - 65535).abs() >= 65535 - 2 * thresholds.step;
-        let jump = (range_m - previous_range_m).abs() > thresholds.step_range_m;
-        steps[i] = near & jump & (count != 0);
-        eighths[i] = eighth(count);
+        let Pixel { change_m, count, missing } = pairs.get(i, &config);
+        eighths[i] = (count.wrapping_add(7) >> 3) as u16 | (missing >> 16) as u16 & GAP;
+        // in the highest bits, without a comparison: what is below 0 has it
+        let above = count.wrapping_sub(first);
+        let near = (above | (counts - 1).wrapping_sub(above)) as u32;
+        let jump = step_range.wrapping_sub(change_m.abs().to_bits());
+        steps[i] = (near & jump & !missing) >> 31 != 0;
     }
     pack(&steps)
 }

@@ -8,6 +8,7 @@ use crate::label::{Area, Labels};
 use crate::plane::{Moments, Plane};
 use crate::plane_segmenter::equal_runs;
 use crate::surface::{NONE, Surfaces};
+use crate::within::at;
 
 /// The label of an area: 1, 2, 3, ... in the order in which areas begin. A row begins the next ones without a gap; each
 /// shows in that row, or in a join that it brings. Never used twice within a scan.
@@ -179,8 +180,8 @@ impl<'a> LabelRow<'a> {
                 by_run = Some(runs.map(move |(i, run)| (run, labels.of_run(i))));
             }
             RunLabels::Slots { slots, table } => {
-                let runs = equal_runs(slots).filter(|run| slots[run.start] != NONE);
-                by_slot = Some(runs.map(move |run| (run.clone(), Surfaces::label(table, slots[run.start]))));
+                let runs = equal_runs(slots).filter(|run| at(slots, run.start) != NONE);
+                by_slot = Some(runs.map(move |run| (run.clone(), Surfaces::label(table, at(slots, run.start)))));
             }
         }
         by_run.into_iter().flatten().chain(by_slot.into_iter().flatten())
@@ -188,11 +189,14 @@ impl<'a> LabelRow<'a> {
 
     /// All pixels, from the left.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + 'a {
-        let mut runs = self.runs().peekable();
+        let mut runs = self.runs();
+        let mut next = runs.next();
         let returns = self.returns;
         (0..self.columns).map(move |column| {
-            while runs.next_if(|(run, _)| run.end <= column).is_some() {}
-            match runs.peek() {
+            while next.as_ref().is_some_and(|(run, _)| run.end <= column) {
+                next = runs.next();
+            }
+            match &next {
                 Some((run, label)) if run.contains(&column) => label.map_or(Pixel::Unlabelled, Pixel::Segment),
                 _ if returns.get(column / CHUNK).is_some_and(|word| word >> (column % CHUNK) & 1 == 1) => Pixel::Edge,
                 _ => Pixel::NoReturn,

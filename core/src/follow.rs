@@ -9,6 +9,7 @@
 use crate::bits::{CHUNK, pack};
 use crate::scanline::{Lanes, Scanline};
 use crate::surface::{NONE, Surfaces};
+use crate::within::{at, part, part_mut, put};
 
 /// Squared error at which a pixel lies on no plane, in units of the noise: 3.2 standard deviations.
 const OFF: f32 = 10.0;
@@ -73,18 +74,18 @@ pub(crate) fn follow(
             }
         };
         if line.wraps && from == 0 {
-            one(above[columns - 1], 0, 1);
+            one(at(above, columns - 1), 0, 1);
         }
         let mut start = from.saturating_sub(1);
         let end = columns.min(from + CHUNK + 1);
         while start < end {
-            let slot = above[start];
-            let stop = start + above[start..end].iter().take_while(|&&s| s == slot).count();
+            let slot = at(above, start);
+            let stop = start + part(above, start..end).iter().take_while(|&&s| s == slot).count();
             one(slot, start.saturating_sub(1).max(from) - from, (stop + 1).min(from + width) - from);
             start = stop;
         }
         if line.wraps && from + CHUNK >= columns {
-            one(above[0], width - 1, width);
+            one(at(above, 0), width - 1, width);
         }
         let (mut gains, mut aheads, mut near) = ([0.0; CHUNK], [0.0; CHUNK], [false; CHUNK]);
         let some = lanes.range_m.map(|range_m| range_m > 0.0);
@@ -99,24 +100,29 @@ pub(crate) fn follow(
             let least = if ahead > 0.0 { ahead } else { 0.0 };
             ahead = gains[i] + if least < LEAVE { least } else { LEAVE };
         }
-        was_left[word] = pack(&aheads.map(|ahead| ahead < 0.0));
-        was_on[word] = pack(&aheads.map(|ahead| ahead > LEAVE));
-        returns[word] = pack(&some);
-        free[word] = returns[word] & !pack(&near);
-        slots[from..from + width].copy_from_slice(&best.slots[..width]);
+        put(was_left, word, pack(&aheads.map(|ahead| ahead < 0.0)));
+        put(was_on, word, pack(&aheads.map(|ahead| ahead > LEAVE)));
+        let returned = pack(&some);
+        put(returns, word, returned);
+        put(free, word, returned & !pack(&near));
+        for (slot, best) in part_mut(slots, from..from + width).iter_mut().zip(best.slots) {
+            *slot = best;
+        }
     }
     let mut is_on = ahead >= 0.0;
     for (word, slots) in slots.chunks_mut(CHUNK).enumerate().rev() {
         let mut on_bits = u32::MAX;
-        if !is_on || was_left[word] != 0 {
+        let (was_left, was_on, returned) = (at(was_left, word), at(was_on, word), at(returns, word));
+        if !is_on || was_left != 0 {
             for i in (0..slots.len()).rev() {
                 on_bits &= !(u32::from(!is_on) << i);
-                let bits = if is_on { was_left[word] } else { was_on[word] };
+                let bits = if is_on { was_left } else { was_on };
                 is_on ^= bits >> i & 1 == 1;
             }
         }
-        free[word] |= returns[word] & !on_bits;
-        let off = free[word] | !returns[word];
+        let freed = at(free, word) | returned & !on_bits;
+        put(free, word, freed);
+        let off = freed | !returned;
         if off != 0 {
             for (i, slot) in slots.iter_mut().enumerate() {
                 *slot = if off >> i & 1 == 1 { NONE } else { *slot };
@@ -149,8 +155,10 @@ impl Best {
         let steep = plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2];
         let (range_m2, turn_rad2, most_m2) = (noise.range_m2, noise.turn_rad2, MOST * noise.range_m2);
         let least = |a: f32, b: f32| if a < b { a } else { b };
-        let errors = self.errors[pixels.clone()].iter_mut().zip(&mut self.slots[pixels.clone()]);
-        let beams = lanes.range_m[pixels.clone()].iter().zip(&lanes.cos[pixels.clone()]).zip(&lanes.sin[pixels]);
+        let errors =
+            part_mut(&mut self.errors, pixels.clone()).iter_mut().zip(part_mut(&mut self.slots, pixels.clone()));
+        let [range_m, cos, sin] = [&lanes.range_m, &lanes.cos, &lanes.sin].map(|lane| part(lane, pixels.clone()));
+        let beams = range_m.iter().zip(cos).zip(sin);
         for ((known, best), ((&range_m, &cos), &sin)) in errors.zip(beams) {
             // p . m, and how the range error changes with the turn angle
             let q = range_m * (cos * a_now + sin * b + k);

@@ -19,6 +19,7 @@ use core::ops::{ControlFlow, Range};
 
 use crate::event::{Join, Label, Segment, Sink};
 use crate::plane::{Moments, exact_points};
+use crate::within;
 
 /// Live labels that every image of this width can make do with, by the paper's two approaches; see
 /// [`Memory::areas`](crate::Memory::areas).
@@ -210,31 +211,32 @@ impl<'a> Labels<'a> {
         sink: &mut S,
     ) -> ControlFlow<(), u32> {
         self.row = row as u16;
-        let mut above = previous.peekable();
+        let mut above = previous;
+        let mut next = above.next();
         let mut unlabelled = 0;
         let mut found = 0;
         for run in current {
             growth.begin(&run);
-            while above.next_if(|a| a.end <= run.start).is_some() {
+            while next.as_ref().is_some_and(|a| a.end <= run.start) {
+                next = above.next();
                 self.drop_run(sink)?;
             }
-            let mut slot = if G::TAKES_ALL { NONE } else { self.choose(above.clone(), &run, growth) };
-            if slot != NONE {
-                self.area(slot).runs += 1;
-            }
-            while let Some(a) = above.peek().filter(|a| a.start < run.end) {
+            let mut slot =
+                if G::TAKES_ALL { NONE } else { self.choose(next.iter().cloned().chain(above.clone()), &run, growth) };
+            self.refer(slot);
+            while let Some(a) = next.as_ref().filter(|a| a.start < run.end) {
                 let more = a.end > run.end;
                 let root = self.root(self.entry(0));
                 if slot == NONE && G::TAKES_ALL && root != NONE {
                     slot = root;
-                    self.area(slot).runs += 1;
+                    self.refer(slot);
                 } else if slot != NONE && root != slot && root != NONE && growth.joins(self.get(slot), self.get(root)) {
                     self.join(slot, root, sink)?;
                 }
                 if more {
                     break;
                 }
-                above.next();
+                next = above.next();
                 self.drop_run(sink)?;
             }
             if slot == NONE {
@@ -244,12 +246,15 @@ impl<'a> Labels<'a> {
                 unlabelled += run.len() as u32;
             } else {
                 let (moments, exact) = (growth.moments(run.clone()), self.exact_points);
-                self.area(slot).take(&run, &moments, exact);
+                if let Some(area) = self.area(slot) {
+                    area.take(&run, &moments, exact);
+                }
             }
             self.push_run(slot);
             found += 1;
         }
-        while above.next().is_some() {
+        while next.is_some() {
+            next = above.next();
             self.drop_run(sink)?;
         }
         if seam && found > 1 {
@@ -303,10 +308,12 @@ impl<'a> Labels<'a> {
 
     /// Joins the area of slot `gone` into that of slot `kept`, whose run of this row is to the left. The smaller label stays.
     fn join<S: Sink>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
-        self.area(gone).link = kept;
-        let (other, exact) = (*self.area(gone), self.exact_points);
-        let join = self.area(kept).absorb(&other, exact);
-        sink.join(join)
+        let exact = self.exact_points;
+        let Some(area) = self.area(gone) else { return ControlFlow::Continue(()) };
+        area.link = kept;
+        let other = *area;
+        let Some(area) = self.area(kept) else { return ControlFlow::Continue(()) };
+        sink.join(area.absorb(&other, exact))
     }
 
     /// Drops the frontier's first run: nothing can touch it any more.
@@ -314,12 +321,9 @@ impl<'a> Labels<'a> {
         let slot = self.entry(0);
         self.head = self.ring(1);
         self.len -= 1;
-        if slot == NONE {
-            return ControlFlow::Continue(());
-        }
         let row = self.row;
-        let area = self.area(slot);
-        area.runs -= 1;
+        let Some(area) = self.area(slot) else { return ControlFlow::Continue(()) };
+        area.runs = area.runs.wrapping_sub(1);
         if area.runs > 0 {
             return ControlFlow::Continue(());
         }
@@ -338,9 +342,9 @@ impl<'a> Labels<'a> {
             let root = self.root(slot);
             if root != slot {
                 self.set_entry(i, root);
-                self.area(root).runs += 1;
-                let area = self.area(slot);
-                area.runs -= 1;
+                self.refer(root);
+                let Some(area) = self.area(slot) else { continue };
+                area.runs = area.runs.wrapping_sub(1);
                 // its link stays readable until the slot is taken again, which no settling does
                 if area.runs == 0 {
                     self.release(slot);
@@ -351,32 +355,42 @@ impl<'a> Labels<'a> {
 
     fn release(&mut self, slot: u16) {
         let free = self.free;
-        self.area(slot).label = u32::from(free);
-        self.free = slot;
+        if let Some(area) = self.area(slot) {
+            area.label = u32::from(free);
+            self.free = slot;
+        }
     }
 
     /// The slot that holds the area of `slot`. Halves the path as it goes.
     fn root(&mut self, mut slot: u16) -> u16 {
-        if slot == NONE {
-            return NONE;
-        }
-        loop {
-            let link = self.area(slot).link;
+        while slot != NONE {
+            let link = self.get(slot).link;
             if link == slot {
-                return slot;
+                break;
             }
-            let beyond = self.area(link).link;
-            self.area(slot).link = beyond;
+            let beyond = self.get(link).link;
+            if let Some(area) = self.area(slot) {
+                area.link = beyond;
+            }
             slot = beyond;
         }
+        slot
     }
 
     fn get(&self, slot: u16) -> &Area {
-        &self.table[usize::from(slot)]
+        self.table.get(usize::from(slot)).unwrap_or(&Area::EMPTY)
     }
 
-    fn area(&mut self, slot: u16) -> &mut Area {
-        &mut self.table[usize::from(slot)]
+    /// The area of a slot; none for [`NONE`].
+    fn area(&mut self, slot: u16) -> Option<&mut Area> {
+        self.table.get_mut(usize::from(slot))
+    }
+
+    /// One more run of the frontier refers to a slot, unless it is [`NONE`].
+    fn refer(&mut self, slot: u16) {
+        if let Some(area) = self.area(slot) {
+            area.runs += 1;
+        }
     }
 
     /// Place of the `index`-th run of the frontier in the ring; `index` at most its capacity.
@@ -388,14 +402,14 @@ impl<'a> Labels<'a> {
     /// Slot of the `index`-th run of the frontier.
     fn entry(&self, index: usize) -> u16 {
         let at = self.ring(index);
-        (self.frontier[at / 2] >> (16 * (at % 2))) as u16
+        (within::at(self.frontier, at / 2) >> (16 * (at % 2))) as u16
     }
 
     fn set_entry(&mut self, index: usize, slot: u16) {
         let at = self.ring(index);
         let shift = 16 * (at % 2);
-        let word = &mut self.frontier[at / 2];
-        *word = (*word & !(0xffff << shift)) | (u32::from(slot) << shift);
+        let word = within::at(self.frontier, at / 2);
+        within::put(self.frontier, at / 2, (word & !(0xffff << shift)) | (u32::from(slot) << shift));
     }
 
     fn push_run(&mut self, slot: u16) {

@@ -50,6 +50,7 @@ mod scanline;
 mod segmenter;
 mod surface;
 mod turn;
+mod within;
 
 pub use beam::{BeamAngle, Beams, Columns, MIN_BEAM_ANGLE_RAD, POINT_UNIT_M, TurnAxis};
 pub use bearing::{COUNTS_PER_RAD, MAX_ERROR_RAD, Row, bearing_angle_rad, bearing_row};

@@ -29,8 +29,9 @@
 //!
 //! Nothing is fitted, and lines are not merged within a row.
 
-use crate::bits::{CHUNK, mask, pack, store, touching_runs};
+use crate::bits::{CHUNK, load, mask, pack, store, touching_runs};
 use crate::config::Config;
+use crate::within::{at, put};
 
 /// Standard deviations that a turn must be beyond the noise. Few: a line broken once too often still joins its region in
 /// two parts, while one that goes on beyond a corner joins none.
@@ -111,7 +112,7 @@ impl RowPoints<'_> {
     /// The point of a column.
     #[inline(always)]
     pub fn at(&self, column: usize) -> [f32; 3] {
-        self.axes.map(|axis| axis[column])
+        self.axes.map(|axis| at(axis, column))
     }
 }
 
@@ -135,14 +136,14 @@ pub(crate) fn find_lines(
         long_chords(thresholds, row, doublings, starts);
     }
     let last = columns - 1;
-    let at = |bits: &[u32], column: usize| bits[column / CHUNK] >> (column % CHUNK) & 1 == 1;
-    let seam = row.wraps && !at(starts, 0);
-    starts[0] |= 1;
+    let is_set = |bits: &[u32], column: usize| at(bits, column / CHUNK) >> (column % CHUNK) & 1 == 1;
+    let seam = row.wraps && !is_set(starts, 0);
+    set(starts, 0..1);
     lines.fill(0);
     for line in touching_runs(row.returns, starts, columns).filter(|line| line.len() >= MIN_LINE_PIXELS) {
         set(lines, line);
     }
-    seam && at(lines, 0) && at(lines, last)
+    seam && is_set(lines, 0) && is_set(lines, last)
 }
 
 /// Packed: the pixels where the chords to the neighbouring pixels turn. Gives whether some of these chords are too short.
@@ -153,15 +154,16 @@ fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: 
     for (word, out) in turns.iter_mut().enumerate() {
         let from = word * CHUNK;
         for (halo, axis) in halo.iter_mut().zip(row.axes) {
-            *halo = [0.0; CHUNK + 2];
-            let inside = from.saturating_sub(1)..columns.min(from + CHUNK + 1);
-            let shift = usize::from(from == 0);
-            halo[shift..shift + inside.len()].copy_from_slice(&axis[inside]);
-            if wraps && from == 0 {
-                halo[0] = axis[columns - 1];
-            }
+            let left = match from.checked_sub(1) {
+                None if wraps => columns - 1,
+                None => columns,
+                Some(left) => left,
+            };
+            halo[0] = axis.get(left).copied().unwrap_or(0.0);
+            halo[1..=CHUNK].copy_from_slice(load(axis, from, &mut [0.0; CHUNK]));
+            halo[CHUNK + 1] = axis.get(from + CHUNK).copied().unwrap_or(0.0);
             if wraps && from + CHUNK >= columns {
-                halo[columns - from + 1] = axis[0];
+                put(halo, columns - from + 1, at(axis, 0));
             }
         }
         let [x, y, z] = &halo;
@@ -183,21 +185,21 @@ fn turn_bits(thresholds: &Turns, row: &RowPoints, doublings: &mut [u16], turns: 
 fn left_of(row: &[u32], word: usize, columns: usize, wraps: bool) -> u32 {
     let last = columns - 1;
     let carry = match word.checked_sub(1) {
-        Some(before) => row[before] >> (CHUNK - 1),
-        None if wraps => row[last / CHUNK] >> (last % CHUNK),
+        Some(before) => at(row, before) >> (CHUNK - 1),
+        None if wraps => at(row, last / CHUNK) >> (last % CHUNK),
         None => 0,
     };
-    (row[word] << 1) | (carry & 1)
+    (at(row, word) << 1) | (carry & 1)
 }
 
 /// The pixels of a word that have a return, and both of whose neighbours have one.
 fn neighbours(returns: &[u32], word: usize, columns: usize, wraps: bool) -> u32 {
     let carry = returns.get(word + 1).map_or(0, |next| next & 1) << (CHUNK - 1);
-    let mut right = (returns[word] >> 1) | carry;
+    let mut right = (at(returns, word) >> 1) | carry;
     if wraps && word + 1 == returns.len() {
-        right |= (returns[0] & 1) << ((columns - 1) % CHUNK);
+        right |= (at(returns, 0) & 1) << ((columns - 1) % CHUNK);
     }
-    returns[word] & left_of(returns, word, columns, wraps) & right
+    at(returns, word) & left_of(returns, word, columns, wraps) & right
 }
 
 /// Packed: the pixels that are not on one line with their left neighbour.
@@ -210,16 +212,16 @@ fn cut(row: &RowPoints, turns: &[u32], starts: &mut [u32]) {
         let farther = match word.checked_sub(1) {
             Some(before) => left_of(turns, before, columns, wraps) >> (CHUNK - 1),
             None if wraps => match last.checked_sub(1) {
-                Some(column) => turns[column / CHUNK] >> (column % CHUNK),
+                Some(column) => at(turns, column / CHUNK) >> (column % CHUNK),
                 None => 0,
             },
             None => 0,
         };
         let turn_farther = (turn_left << 1) | (farther & 1);
-        let here = turns[word];
+        let here = at(turns, word);
         let step = here & turn_left;
         let corner = turn_left & !here & !turn_farther;
-        let missing = !(returns[word] & left_of(returns, word, columns, wraps));
+        let missing = !(at(returns, word) & left_of(returns, word, columns, wraps));
         *out = (step | corner | missing) & mask(word, columns);
     }
 }
@@ -249,7 +251,7 @@ fn long_chords(thresholds: &Turns, row: &RowPoints, doublings: &[u16], starts: &
                 }
             }
             if let Some((_, corner)) = sharpest.take() {
-                starts[(corner + 1) / CHUNK] |= 1 << ((corner + 1) % CHUNK);
+                set(starts, corner + 1..corner + 2);
             }
         }
     }
@@ -258,6 +260,6 @@ fn long_chords(thresholds: &Turns, row: &RowPoints, doublings: &[u16], starts: &
 /// Sets the bits of a run.
 fn set(row: &mut [u32], run: core::ops::Range<usize>) {
     for column in run {
-        row[column / CHUNK] |= 1 << (column % CHUNK);
+        put(row, column / CHUNK, at(row, column / CHUNK) | 1 << (column % CHUNK));
     }
 }

@@ -55,9 +55,9 @@ pub struct Sizes {
     pub areas: usize,
 }
 
-/// Length of a row of bearing angles: whole chunks, and one column more at either end.
+/// Length of a row of bearing angles: whole chunks, with room for one column more.
 pub(crate) const fn padded_row(columns: usize) -> usize {
-    words(columns) * CHUNK + 2
+    (columns / CHUNK + 1) * CHUNK
 }
 
 const fn max(a: usize, b: usize) -> usize {

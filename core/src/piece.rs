@@ -7,6 +7,7 @@
 //! Only [`CANDIDATES`] last cuts are kept: one that a line from it costs more than the best by the price of a line can never
 //! win again, and of the others the worst goes. Work is linear in the pixels.
 
+use crate::within::{at, put};
 use core::ops::Range;
 
 /// Last cuts that are kept.
@@ -82,49 +83,48 @@ pub(crate) fn lines<B>(
     let mut kept = 0;
     let mut cost = 0.0;
     for column in run.clone() {
-        let at = point(column);
-        let range_m = libm::sqrtf(at[0] * at[0] + at[1] * at[1]);
+        let place = point(column);
+        let range_m = libm::sqrtf(place[0] * place[0] + place[1] * place[1]);
         if kept == CANDIDATES {
             // the last costs of all cuts are within the price of a line; the one with the greatest goes
             kept -= 1;
             cuts.swap(0, kept);
         }
-        cuts[kept] = Cut::new(column, cost, at);
+        put(&mut cuts, kept, Cut::new(column, cost, place));
         kept += 1;
         let mut costs = [0.0; CANDIDATES];
-        let (mut best, mut worst) = (0, 0);
-        for i in 0..kept {
-            cuts[i].add(at, range_m);
-            let price = if cuts[i].pixels == 1 { LONE } else { LINE + cuts[i].squares_m2() * per_noise };
-            costs[i] = cuts[i].cost + price;
-            if costs[i] < costs[best] {
-                best = i;
+        let mut best = (f32::MAX, column);
+        for (cut, cost) in cuts.iter_mut().zip(&mut costs).take(kept) {
+            cut.add(place, range_m);
+            *cost = cut.cost + if cut.pixels == 1 { LONE } else { LINE + cut.squares_m2() * per_noise };
+            if *cost < best.0 {
+                best = (*cost, cut.column);
             }
         }
-        cost = costs[best];
-        from[column] = (cuts[best].column - start) as u16;
-        let mut left = 0;
-        for i in 0..kept {
-            if costs[i] <= cost + LINE {
-                if costs[i] > costs[worst] || left == 0 {
-                    worst = left;
+        cost = best.0;
+        put(from, column, (best.1 - start) as u16);
+        let (mut left, mut worst) = (0, (f32::MIN, 0));
+        for (i, at_cost) in costs.into_iter().enumerate().take(kept) {
+            if at_cost <= cost + LINE {
+                if at_cost > worst.0 {
+                    worst = (at_cost, left);
                 }
-                cuts[left] = cuts[i];
-                costs[left] = costs[i];
+                let cut = at(&cuts, i);
+                put(&mut cuts, left, cut);
                 left += 1;
             }
         }
         kept = left;
-        cuts.swap(0, worst);
+        cuts.swap(0, worst.1 % CANDIDATES);
     }
     let mut end = run.end;
     while end > start {
-        let begin = start + usize::from(from[end - 1]);
+        let begin = start + usize::from(at(from, end - 1));
         if end - begin > 1 {
             let mut line = Cut::new(begin, 0.0, point(begin));
             for column in begin..end {
-                let at = point(column);
-                line.add(at, libm::sqrtf(at[0] * at[0] + at[1] * at[1]));
+                let place = point(column);
+                line.add(place, libm::sqrtf(place[0] * place[0] + place[1] * place[1]));
             }
             found(Line { columns: begin..end, squares: line.squares_m2() * per_noise })?;
         }

@@ -110,26 +110,22 @@ impl Moments {
             [about(xy, x, y), about(yy, y, y), about(yz, y, z)],
             [about(xz, x, z), about(yz, y, z), about(zz, z, z)],
         ];
-        let (values, vectors) = symmetric_eigen(scatter);
-        let mut order = [0, 1, 2];
-        order.sort_unstable_by(|&i, &j| values[i].total_cmp(&values[j]));
-        let [i0, i1, i2] = order;
-        if values[i1] <= n * unit * unit {
+        let [(least, mut normal), across, along] = symmetric_eigen(scatter);
+        if across.0 <= n * unit * unit {
             return None;
         }
         let centroid = mean.map(|c| c * unit);
-        let mut normal = vectors[i0];
         let mut distance = -dot(normal, centroid);
         if distance < 0.0 {
             normal = normal.map(|c| -c);
             distance = -distance;
         }
-        let squares = values[i0].max(0.0);
+        let squares = least.max(0.0);
         let variance = squares / (n - 3.0);
         // the normal tilts towards the in-plane axes independently of each other and of the offset at the centroid
         let mut covariance = [[0.0; 4]; 4];
-        for i in [i1, i2] {
-            let (axis, tilt) = (vectors[i], variance / values[i]);
+        for (value, axis) in [across, along] {
+            let tilt = variance / value;
             let lever = dot(axis, centroid);
             let tangent = [axis[0], axis[1], axis[2], -lever];
             for (row, &a) in covariance.iter_mut().zip(&tangent) {
@@ -219,12 +215,10 @@ impl Moments {
         let [xx, yy, zz, xy, xz, yz] = self.second;
         let (xy, xz, yz) = (about(xy, 0, 1), about(xz, 0, 2), about(yz, 1, 2));
         let scatter = [[about(xx, 0, 0), xy, xz], [xy, about(yy, 1, 1), yz], [xz, yz, about(zz, 2, 2)]];
-        let (values, vectors) = symmetric_eigen(scatter);
-        let mut order = [0, 1, 2];
-        order.sort_unstable_by(|&i, &j| values[i].total_cmp(&values[j]));
+        let axes = symmetric_eigen(scatter);
         let centroid_m = core::array::from_fn(|i| (near[i] as f32 + offset[i]) * POINT_UNIT_M);
-        let squares_m2 = order.map(|i| values[i].max(0.0));
-        Some(QuickPlane { centroid_m, squares_m2, normal: vectors[order[0]], along: vectors[order[2]] })
+        let [(_, normal), _, (_, along)] = axes;
+        Some(QuickPlane { centroid_m, squares_m2: axes.map(|(value, _)| value.max(0.0)), normal, along })
     }
 }
 
@@ -233,11 +227,14 @@ pub(crate) trait Real:
     Copy + Default + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     const ONE: Self;
+    /// Square of the relative size at which a number is lost in rounding.
+    const ROUNDING: Self;
     fn sqrt(self) -> Self;
 }
 
 impl Real for f32 {
     const ONE: f32 = 1.0;
+    const ROUNDING: f32 = f32::EPSILON * f32::EPSILON / 16.0;
     fn sqrt(self) -> f32 {
         libm::sqrtf(self)
     }
@@ -245,6 +242,7 @@ impl Real for f32 {
 
 impl Real for f64 {
     const ONE: f64 = 1.0;
+    const ROUNDING: f64 = f64::EPSILON * f64::EPSILON / 16.0;
     fn sqrt(self) -> f64 {
         libm::sqrt(self)
     }
@@ -254,22 +252,27 @@ pub(crate) fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Eigenvalues and unit eigenvectors (one per row of the second result) of a symmetric matrix, by Jacobi rotations.
-fn symmetric_eigen<T: Real>(mut m: [[T; 3]; 3]) -> ([T; 3], [[T; 3]; 3]) {
+/// Eigenvalues, smallest first, and their unit eigenvectors, of a symmetric matrix, by Jacobi rotations.
+fn symmetric_eigen<T: Real>(mut m: [[T; 3]; 3]) -> [(T, [T; 3]); 3] {
     let (zero, one) = (T::default(), T::ONE);
     let mut vectors = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     // converges quadratically: six sweeps are one or two more than ever needed for 3 x 3
     for _ in 0..6 {
+        let mut done = true;
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q] == zero {
+            // what they are; the compiler then knows that they are indices
+            let (p, q) = (p % 3, q % 3);
+            let (off, squares) = (m[p][q] * m[p][q], m[p][p] * m[q][q]);
+            if off == zero || off <= squares * T::ROUNDING {
                 continue;
             }
+            done = false;
             let theta = (m[q][q] - m[p][p]) / ((one + one) * m[p][q]);
             let root = (theta * theta + one).sqrt();
             let t = if theta < zero { zero - one / (root - theta) } else { one / (root + theta) };
             let c = one / (t * t + one).sqrt();
             let s = t * c;
-            let r = 3 - p - q;
+            let r = (6 - p - q) % 3;
             let (mpr, mqr) = (m[p][r], m[q][r]);
             m[p][p] = m[p][p] - t * m[p][q];
             m[q][q] = m[q][q] + t * m[p][q];
@@ -282,8 +285,20 @@ fn symmetric_eigen<T: Real>(mut m: [[T; 3]; 3]) -> ([T; 3], [[T; 3]; 3]) {
                 vectors[q][i] = s * vp[i] + c * vq[i];
             }
         }
+        if done {
+            break;
+        }
     }
-    ([m[0][0], m[1][1], m[2][2]], vectors)
+    let mut axes = [(m[0][0], vectors[0]), (m[1][1], vectors[1]), (m[2][2], vectors[2])];
+    let mut in_order = |a: usize, b: usize| {
+        if axes[b].0 < axes[a].0 {
+            axes.swap(a, b);
+        }
+    };
+    in_order(0, 1);
+    in_order(1, 2);
+    in_order(0, 1);
+    axes
 }
 
 #[cfg(test)]
@@ -293,12 +308,13 @@ mod tests {
     #[test]
     fn eigenvectors_are_orthonormal_and_rebuild_the_matrix() {
         let m = [[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 6.0]];
-        let (values, vectors) = symmetric_eigen(m);
+        let axes = symmetric_eigen(m);
+        assert!(axes.is_sorted_by_key(|axis| axis.0));
         for i in 0..3 {
             for j in 0..3 {
                 let unit = f64::from(u8::from(i == j));
-                assert!((dot(vectors[i], vectors[j]) - unit).abs() < 1e-14);
-                let rebuilt: f64 = (0..3).map(|k| values[k] * vectors[k][i] * vectors[k][j]).sum();
+                assert!((dot(axes[i].1, axes[j].1) - unit).abs() < 1e-14);
+                let rebuilt: f64 = axes.map(|(value, vector)| value * vector[i] * vector[j]).iter().sum();
                 assert!((rebuilt - m[i][j]).abs() < 1e-13, "{i}{j}: {rebuilt}");
             }
         }

@@ -27,6 +27,7 @@ use crate::scanline::{Lanes, Scanline};
 use crate::segmenter::{Finished, RowPoints, Status, check_row};
 use crate::surface::{FULL, MARKS_LEN, NONE, Noise, PLANE_LEN, Surfaces};
 use crate::turn::{Turns, scratch_len};
+use crate::within::{at, part, part_mut, put, split_mut};
 
 /// Least standard deviation of a range, metres: beams are not quite where they are said to be, ranges are rounded, walls
 /// are not quite flat.
@@ -81,10 +82,9 @@ impl<'a> PlaneSegmenter<'a> {
         let fan = Fan::new(beams, columns)?;
         memory.check(columns, &config)?;
         let areas = memory.areas.len().min(live_labels(columns));
-        let (planes, scratch) = memory.ranges.split_at_mut(PLANE_LEN * areas);
-        let (slots, marks) = memory.bearings.split_at_mut(3 * columns);
-        let surfaces =
-            Surfaces::new(&mut memory.areas[..areas], planes, &mut marks[..MARKS_LEN * areas], config.max_range_m);
+        let (planes, scratch) = split_mut(memory.ranges, PLANE_LEN * areas);
+        let (slots, marks) = split_mut(memory.bearings, 3 * columns);
+        let surfaces = Surfaces::new(part_mut(memory.areas, 0..areas), planes, marks, config.max_range_m);
         let noise_m = config.range_noise_m;
         let range_m2 = noise_m * noise_m + LEAST_NOISE_M * LEAST_NOISE_M;
         let (turns, bits) = (Turns::default(), memory.words);
@@ -135,17 +135,17 @@ impl<'a> PlaneSegmenter<'a> {
         }
     }
 
-    fn grow<S: Sink>(&mut self, at: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
+    fn grow<S: Sink>(&mut self, beam: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
         let columns = self.columns;
-        let (even, rest) = self.slots.split_at_mut(columns);
-        let (odd, cuts) = rest.split_at_mut(columns);
-        let (above, slots) = if at.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let mut bits = self.bits.chunks_exact_mut(words(columns));
+        let (even, rest) = split_mut(self.slots, columns);
+        let (odd, cuts) = split_mut(rest, columns);
+        let (above, slots) = if beam.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
+        let mut bits = self.bits.chunks_exact_mut(words(columns).max(1));
         let mut packed = || bits.next().unwrap_or_default();
         let mut followed = Followed { returns: packed(), free: packed(), was_left: packed(), was_on: packed() };
-        let frame = self.fan.frame(at);
+        let frame = self.fan.frame(beam);
         let line = Scanline { config: &self.config, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
-        self.surfaces.row = at.row as u16;
+        self.surfaces.row = beam.row as u16;
 
         let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);
         follow(&line, above, &self.surfaces, &row_noise, &mut followed, slots);
@@ -154,8 +154,9 @@ impl<'a> PlaneSegmenter<'a> {
         let mut points =
             RowPoints { fan: &self.fan, frame, ranges: ranges_m, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         for run in equal_runs(slots) {
-            if slots[run.start] < FULL {
-                self.surfaces.extend(slots[run.start], &run, &points.moments(run.clone()));
+            let slot = at(slots, run.start);
+            if slot < FULL {
+                self.surfaces.extend(slot, &run, &points.moments(run.clone()));
             }
         }
 
@@ -179,7 +180,7 @@ impl<'a> PlaneSegmenter<'a> {
             lines(run, self.range_m2, cuts, place, |found| {
                 let moments = points.moments(found.columns.clone());
                 let slot = area_for(surfaces, above, &found.columns, &moments, f64::from(found.squares), &noise);
-                slots[found.columns.clone()].fill(slot);
+                part_mut(slots, found.columns.clone()).fill(slot);
                 if slot == FULL {
                     unlabelled += found.columns.len() as u32;
                 }
@@ -191,7 +192,7 @@ impl<'a> PlaneSegmenter<'a> {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
             *free &= pack(&none);
         }
-        sink.edges(&EdgeRow { row: at.row, columns, words: free })?;
+        sink.edges(&EdgeRow { row: beam.row, columns, words: free })?;
 
         self.surfaces.refit();
         join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
@@ -199,7 +200,7 @@ impl<'a> PlaneSegmenter<'a> {
         self.surfaces.settle(slots);
         self.surfaces.close(false, sink)?;
         let labels = RunLabels::Slots { slots, table: self.surfaces.table() };
-        sink.row(&LabelRow { row: at.row, columns, returns, labels })?;
+        sink.row(&LabelRow { row: beam.row, columns, returns, labels })?;
         ControlFlow::Continue(unlabelled)
     }
 }
@@ -209,7 +210,7 @@ pub(crate) fn equal_runs(slots: &[u16]) -> impl Iterator<Item = Range<usize>> + 
     let mut start = 0;
     core::iter::from_fn(move || {
         let &slot = slots.get(start)?;
-        let end = start + slots[start..].iter().take_while(|&&s| s == slot).count();
+        let end = start + part(slots, start..slots.len()).iter().take_while(|&&s| s == slot).count();
         let run = start..end;
         start = end;
         Some(run)
@@ -228,12 +229,12 @@ fn area_for(
     let near = line.start.saturating_sub(1)..above.len().min(line.end + 1);
     let mut tried = [(NONE, 0u32); TRIED];
     let mut count = 0;
-    for run in equal_runs(&above[near.clone()]) {
-        let slot = above[near.start + run.start];
+    for run in equal_runs(part(above, near.clone())) {
+        let slot = at(above, near.start + run.start);
         if slot >= FULL {
             continue;
         }
-        match tried[..count].iter_mut().find(|tried| tried.0 == slot) {
+        match tried.iter_mut().take(count).find(|tried| tried.0 == slot) {
             Some(known) => known.1 += run.len() as u32,
             None if count < TRIED => {
                 tried[count] = (slot, run.len() as u32);
@@ -243,7 +244,7 @@ fn area_for(
         }
     }
     let mut best = (f64::MAX, NONE);
-    for &(slot, touching) in &tried[..count] {
+    for &(slot, touching) in tried.iter().take(count) {
         if touching < 2 && line.len() > 3 {
             continue;
         }
@@ -281,22 +282,22 @@ fn join_neighbours<S: Sink>(
             [(slots, from), (above, from), (slots, from + 1)].map(|(row, from)| *load(row, from, &mut [NONE; CHUNK]));
         let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
         // the neighbour may be in the next chunk, or across the seam
-        differ[CHUNK.min(columns - from) - 1] = true;
+        put(&mut differ, CHUNK.min(columns - from) - 1, true);
         let mut bits = pack(&differ) & mask(from / CHUNK, columns);
         while bits != 0 {
             let column = from + bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            let slot = slots[column];
+            let slot = at(slots, column);
             if slot >= FULL {
                 continue;
             }
             let beside = |ahead: usize| match column + ahead {
-                c if c < columns => slots[c],
-                c if line.wraps => slots[c - columns],
+                c if c < columns => at(slots, c),
+                c if line.wraps => at(slots, c - columns),
                 _ => NONE,
             };
             let right = if beside(1) < FULL { beside(1) } else { beside(2) };
-            for other in [right, above[column]] {
+            for other in [right, at(above, column)] {
                 if other >= FULL || other == slot {
                     continue;
                 }
@@ -304,8 +305,8 @@ fn join_neighbours<S: Sink>(
                 if done.contains(&pair) {
                     continue;
                 }
-                done[next] = pair;
-                next = (next + 1) % REMEMBERED_PAIRS;
+                done[next % REMEMBERED_PAIRS] = pair;
+                next += 1;
                 let (one, other) = (surfaces.root(slot), surfaces.root(other));
                 if one != other && surfaces.size(one).0 > 1 && surfaces.size(other).0 > 1 {
                     if surfaces.try_join(one, other, noise, sink)? {

@@ -20,6 +20,7 @@ use crate::config::Config;
 use crate::label::{Area, Growth};
 use crate::line::RowPoints;
 use crate::plane::{Moments, QuickPlane, dot};
+use crate::within::part;
 
 /// Standard deviations of the range that the end of a line may be off. A region that does not get its line in one row is
 /// over: with 3 a wall of 200 rows comes down in one piece one time of three, with 4 it does 39 times of 40.
@@ -92,8 +93,9 @@ impl Growth for Regions<'_> {
     fn begin(&mut self, run: &Range<usize>) {
         self.ends_m = [self.points.at(run.start), self.points.at(run.end - 1)];
         self.line = Moments::default();
-        for column in run.clone() {
-            self.line.add_point(self.points.at(column).map(|c| round(c / crate::POINT_UNIT_M)));
+        let [x, y, z] = self.points.axes.map(|axis| part(axis, run.clone()));
+        for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
+            self.line.add_point([x, y, z].map(|c| round(c / crate::POINT_UNIT_M)));
         }
     }
 

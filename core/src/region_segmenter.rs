@@ -14,6 +14,7 @@ use crate::line::{RowPoints, Turns, find_lines};
 use crate::memory::Memory;
 use crate::region::Regions;
 use crate::segmenter::{Finished, Status, check_row};
+use crate::within::{part_mut, split_mut};
 
 /// Packed rows, as they are used when row r arrives.
 struct BitRows<'a> {
@@ -28,7 +29,7 @@ struct BitRows<'a> {
 
 impl<'a> BitRows<'a> {
     fn of(bits: &'a mut [u32], columns: usize) -> Self {
-        let mut rows = bits.chunks_exact_mut(words(columns));
+        let mut rows = bits.chunks_exact_mut(words(columns).max(1));
         let mut row = || rows.next().unwrap_or_default();
         Self { returns: row(), turns: row(), lines: [row(), row()], starts: [row(), row()] }
     }
@@ -66,9 +67,9 @@ impl<'a> RegionSegmenter<'a> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
         let needed = memory.check(columns, &config)?;
-        let points = &mut memory.ranges[..3 * columns];
-        let doublings = &mut memory.bearings[..columns];
-        let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
+        let points = part_mut(memory.ranges, 0..3 * columns);
+        let doublings = part_mut(memory.bearings, 0..columns);
+        let (frontier, bits) = split_mut(part_mut(memory.words, 0..needed.words), frontier_words(columns));
         let labels = Labels::new(memory.areas, frontier, config.max_range_m);
         let turns = Turns::new(&config);
         let mut segmenter =
@@ -125,7 +126,7 @@ impl<'a> RegionSegmenter<'a> {
             *returns = pack(&clean.map(|range_m| range_m > 0.0)) & mask(word, self.columns);
             let mut points = [[0.0; CHUNK]; 3];
             self.fan.points_as(|c| c * POINT_UNIT_M, &frame, from, &clean, &mut points);
-            for (axis, points) in self.points.chunks_exact_mut(self.columns).zip(&points) {
+            for (axis, points) in self.points.chunks_exact_mut(self.columns.max(1)).zip(&points) {
                 store(axis, from, points);
             }
         }
@@ -134,7 +135,7 @@ impl<'a> RegionSegmenter<'a> {
     /// Lines of the row, and the regions that take them.
     fn grow<S: Sink>(&mut self, row: usize, sink: &mut S) -> ControlFlow<(), u32> {
         let columns = self.columns;
-        let mut axes = self.points.chunks_exact(columns);
+        let mut axes = self.points.chunks_exact(columns.max(1));
         let mut axis = || axes.next().unwrap_or_default();
         let BitRows { returns, turns, mut lines, mut starts } = BitRows::of(self.bits, columns);
         let points = RowPoints { axes: [axis(), axis(), axis()], returns, wraps: self.fan.wraps() };
@@ -145,8 +146,8 @@ impl<'a> RegionSegmenter<'a> {
         let [above, lines] = lines;
         let [above_starts, starts] = starts;
         let seam = find_lines(&self.turns, &points, self.doublings, turns, starts, lines);
-        for (word, edges) in turns.iter_mut().enumerate() {
-            *edges = returns[word] & (starts[word] | !lines[word]);
+        for (((edges, returns), starts), lines) in turns.iter_mut().zip(&*returns).zip(&*starts).zip(&*lines) {
+            *edges = returns & (starts | !lines);
         }
         sink.edges(&EdgeRow { row, columns, words: turns })?;
         let mut regions = Regions::new(&self.config, points);

@@ -12,15 +12,16 @@ use core::ops::{ControlFlow, Range};
 
 use crate::beam::{Beams, Fan, Frame, RowBeam};
 use crate::bearing::TraceRow;
-use crate::bits::{CHUNK, load, mask, pack, runs, store, words};
+use crate::bits::{CHUNK, load, mask, pack, runs, words};
 use crate::closing::Shape;
 use crate::config::{Config, MAX_TRACE_ROWS};
-use crate::edge::{Thresholds, bearings, roofs};
+use crate::edge::{GAP, Sobel, Thresholds, bearings};
 use crate::error::{ConfigError, PushError};
 use crate::event::{EdgeRow, LabelRow, RunLabels, Sink};
 use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::{Memory, padded_row};
 use crate::plane::Moments;
+use crate::within::{at, part, part_mut, split_mut};
 
 /// Rows between the row pushed and the row whose labels it decides, of [`EdgeSegmenter`]; no approach needs more.
 pub const LATENCY_ROWS: usize = 3;
@@ -76,6 +77,16 @@ pub(crate) fn check_row(ranges_m: &[f32], turn_rad: f32, row: usize, columns: us
     if row == MAX_ROWS { Err(PushError::TooManyRows) } else { Ok(()) }
 }
 
+/// The rows of a ring of three, from row `row` on.
+fn ring<T>(rows: [T; 3], row: usize) -> [T; 3] {
+    let [a, b, c] = rows;
+    match row % 3 {
+        0 => [a, b, c],
+        1 => [b, c, a],
+        _ => [c, a, b],
+    }
+}
+
 /// Packed rows, as they are used when row r arrives.
 struct BitRows<'a> {
     /// Step edges of row r - 1, then of row r.
@@ -92,7 +103,7 @@ struct BitRows<'a> {
 
 impl<'a> BitRows<'a> {
     fn of(bits: &'a mut [u32], columns: usize) -> Self {
-        let mut rows = bits.chunks_exact_mut(words(columns));
+        let mut rows = bits.chunks_exact_mut(words(columns).max(1));
         let mut row = || rows.next().unwrap_or_default();
         Self {
             steps: row(),
@@ -144,7 +155,8 @@ pub struct EdgeSegmenter<'a> {
     turns_rad: [f32; MAX_TRACE_ROWS as usize + 1],
     /// Ranges of the last rows, row q at q % stored rows; 0 for no return.
     ranges: &'a mut [f32],
-    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2, column c at c + 1.
+    /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2; where the image wraps, the first column also beyond
+    /// the last.
     bearings: &'a mut [u16],
     /// See [`BitRows`].
     bits: &'a mut [u32],
@@ -163,9 +175,9 @@ impl<'a> EdgeSegmenter<'a> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
         let needed = memory.check(columns, &config)?;
-        let ranges = &mut memory.ranges[..needed.ranges];
-        let bearings = &mut memory.bearings[..needed.bearings];
-        let (frontier, bits) = memory.words[..needed.words].split_at_mut(frontier_words(columns));
+        let ranges = part_mut(memory.ranges, 0..needed.ranges);
+        let bearings = part_mut(memory.bearings, 0..needed.bearings);
+        let (frontier, bits) = split_mut(part_mut(memory.words, 0..needed.words), frontier_words(columns));
         let labels = Labels::new(memory.areas, frontier, config.max_range_m);
         let shape = Shape { columns, wraps: fan.wraps(), element: config.closing };
         let thresholds = Thresholds::new(&config);
@@ -180,7 +192,7 @@ impl<'a> EdgeSegmenter<'a> {
     pub fn reset(&mut self) {
         self.rows = 0;
         self.unlabelled = 0;
-        self.bearings.fill(0);
+        self.bearings.fill(GAP);
         self.bits.fill(0);
         self.labels.reset();
     }
@@ -205,7 +217,7 @@ impl<'a> EdgeSegmenter<'a> {
         }
         let done = self.decide(row, sink);
         let stored = self.stored(row);
-        for (to, &range_m) in self.ranges[stored].iter_mut().zip(ranges_m) {
+        for (to, &range_m) in part_mut(self.ranges, stored).iter_mut().zip(ranges_m) {
             *to = self.config.clean(range_m);
         }
         Ok(match done {
@@ -243,8 +255,9 @@ impl<'a> EdgeSegmenter<'a> {
 
     /// Where the ranges of a row are stored.
     fn stored(&self, row: usize) -> Range<usize> {
-        let rows = self.ranges.len() / self.shape.columns;
-        let start = row % rows * self.shape.columns;
+        // neither is 0, which the compiler does not know
+        let rows = self.ranges.len() / self.shape.columns.max(1);
+        let start = row % rows.max(1) * self.shape.columns;
         start..start + self.shape.columns
     }
 
@@ -256,11 +269,11 @@ impl<'a> EdgeSegmenter<'a> {
     /// the row below the image.
     fn trace_row(&mut self, index: usize, row: usize, now: Option<&[f32]>) {
         let Shape { columns, wraps, .. } = self.shape;
-        let trace = self.config.traces[index];
+        let Some(&trace) = self.config.traces.get(index) else { return };
         let before = row.checked_sub(usize::from(trace.rows));
         let lanes = TraceRow::new(&self.fan, trace, self.beam(row), self.beam(before.unwrap_or(row)), columns);
         let before = match before {
-            Some(before) if trace.rows > 0 => Some(&self.ranges[self.stored(before)]),
+            Some(before) if trace.rows > 0 => Some(part(self.ranges, self.stored(before))),
             // above the image
             None => Some(&[][..]),
             _ => None,
@@ -268,57 +281,52 @@ impl<'a> EdgeSegmenter<'a> {
         let config = self.config;
         let mut bearings = Bearings { config: &config, thresholds: self.thresholds, lanes, now, before };
 
-        let padded = padded_row(columns);
-        let (even, odd) = self.bearings[2 * index * padded..][..2 * padded].split_at_mut(padded);
-        // rows r - 1 and r - 2; row r takes the place of r - 2 once that was used
-        let (centre_row, above_row) = if row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let BitRows { steps: step_row, edges, .. } = BitRows::of(self.bits, columns);
+        let mut rows = self.bearings.chunks_exact_mut(padded_row(columns).max(1)).skip(2 * index);
+        let (Some(even), Some(odd)) = (rows.next(), rows.next()) else { return };
+        // rows r - 1 and r - 2; row r takes the place of r - 2
+        let (centre, above) = if row.is_multiple_of(2) { (odd, even) } else { (even, odd) };
+        let BitRows { steps, edges, .. } = BitRows::of(self.bits, columns);
         // before row 0 there is no row, and what is found for it is not used
-        let edge_row = &mut *edges[(row + 2) % 3];
-        let last = columns - 1;
-
-        let mut below = [0; CHUNK + 2];
-        let (mut current, mut next) = ([0; CHUNK], [0; CHUNK]);
-        if wraps {
-            bearings.chunk(last / CHUNK, &mut next);
-            below[0] = next[last % CHUNK];
-        }
-        let mut next_steps = bearings.chunk(0, &mut next);
-        let first = next[0];
-        for (chunk, (edge_word, step_word)) in edge_row.iter_mut().zip(step_row).enumerate() {
-            let from = chunk * CHUNK;
-            let earlier = current;
-            current = next;
-            let steps = next_steps & mask(chunk, columns);
-            below[1..=CHUNK].copy_from_slice(&current);
-            if from + CHUNK < columns {
-                next_steps = bearings.chunk(chunk + 1, &mut next);
-                below[CHUNK + 1] = next[0];
-            } else {
-                below[CHUNK + 1] = 0;
-                if wraps {
-                    below[last - from + 2] = first;
-                }
-            }
-            let halo =
-                |row: &[u16]| row.get(from..).and_then(|row| row.first_chunk().copied()).unwrap_or([0; CHUNK + 2]);
-            let roofs = roofs(&halo(above_row), &halo(centre_row), &below, &self.thresholds) & mask(chunk, columns);
-            if index == 0 {
-                *edge_word = roofs | *step_word;
-                *step_word = steps;
-            } else {
-                *edge_word |= roofs;
-                *step_word |= steps;
-            }
-            below[0] = current[CHUNK - 1];
-            // one chunk late, because this chunk still needed the column to its left
-            if chunk > 0 {
-                store(above_row, from - CHUNK + 1, &earlier);
+        let [edges, ..] = ring(edges, row + 2);
+        if index == 0 {
+            for (edges, steps) in edges.iter_mut().zip(&mut *steps) {
+                *edges = core::mem::take(steps);
             }
         }
-        store(above_row, last / CHUNK * CHUNK + 1, &current);
+        let (last, beyond) = ((columns - 1) / CHUNK, columns % CHUNK);
+        let mut below = [GAP; CHUNK];
+        let mut left = [GAP; 3];
         if wraps {
-            (above_row[0], above_row[columns + 1]) = (above_row[columns], above_row[1]);
+            bearings.chunk(last, &mut below);
+            let at = |row: &[u16]| row.get(columns - 1).copied().unwrap_or(GAP);
+            left = [at(above), at(centre), below[(columns - 1) % CHUNK]];
+        }
+        let mut sobel = Sobel::new(&self.thresholds, left);
+        let mut first = GAP;
+        let mut waiting: Option<(&mut u32, u32)> = None;
+        let (mut edges, mut steps) = (edges.iter_mut(), steps.iter_mut());
+        let rows = above.as_chunks_mut::<CHUNK>().0.iter_mut().zip(centre.as_chunks::<CHUNK>().0);
+        for (chunk, (above, centre)) in rows.enumerate() {
+            let step_word = bearings.chunk(chunk, &mut below) & mask(chunk, columns);
+            if chunk == 0 {
+                first = below[0];
+            }
+            if wraps && chunk == columns / CHUNK {
+                // the column beyond the last is the first
+                below[beyond] = first;
+            }
+            let roofs = sobel.next(above, centre, &below);
+            *above = below;
+            if let Some((word, roofs_left)) = waiting.take() {
+                *word |= roofs_left | (roofs << (CHUNK - 1));
+            }
+            if let (Some(edges), Some(steps)) = (edges.next(), steps.next()) {
+                *steps |= step_word;
+                waiting = Some((edges, (roofs >> 1) & mask(chunk, columns)));
+            }
+        }
+        if let Some((word, roofs)) = waiting {
+            *word |= roofs;
         }
     }
 
@@ -341,7 +349,7 @@ impl<'a> EdgeSegmenter<'a> {
         if done >= rows {
             return ControlFlow::Continue(None);
         }
-        let (ranges, frame) = (&self.ranges[self.stored(done)], self.fan.frame(self.beam(done)));
+        let (ranges, frame) = (part(self.ranges, self.stored(done)), self.fan.frame(self.beam(done)));
         let BitRows { dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
         let (even, odd) = areas.split_at_mut(1);
         let (current, before) =
@@ -349,13 +357,15 @@ impl<'a> EdgeSegmenter<'a> {
         let above = within(done.checked_sub(1)).map(|i| &*dilated[i]);
         let below = within(Some(done + 1)).map(|i| &*dilated[i]);
         self.shape.erode(above, &*dilated[done % 3], below, current);
+        let mut copy = [0.0; CHUNK];
         for (chunk, (area, returns)) in current.iter_mut().zip(returns.iter_mut()).enumerate() {
-            *returns = pack(&load(ranges, chunk * CHUNK, &mut [0.0; CHUNK]).map(|range_m| range_m > 0.0));
+            let ranges = load(ranges, chunk * CHUNK, &mut copy);
+            *returns = pack(&ranges.map(|range_m| range_m.to_bits() != 0));
             *area = !*area & *returns;
         }
         let mut points = RowPoints { fan: &self.fan, frame, ranges, chunk: usize::MAX, points: [[0; CHUNK]; 3] };
         let last = columns - 1;
-        let seam = self.shape.wraps && current[0] & current[last / CHUNK] >> (last % CHUNK) & 1 == 1;
+        let seam = self.shape.wraps && at(current, 0) & at(current, last / CHUNK) >> (last % CHUNK) & 1 == 1;
         let (above, here) = (runs(before, columns), runs(current, columns));
         let unlabelled = self.labels.label_row(done, above, here, seam, &mut points, sink)?;
         self.unlabelled = self.unlabelled.saturating_add(unlabelled);
@@ -381,7 +391,7 @@ impl Bearings<'_> {
     #[inline(always)]
     fn chunk(&mut self, chunk: usize, eighths: &mut [u16; CHUNK]) -> u32 {
         let Some(now) = self.now.filter(|_| self.before.is_none_or(|before| !before.is_empty())) else {
-            *eighths = [0; CHUNK];
+            *eighths = [GAP; CHUNK];
             return 0;
         };
         let pairs = self.lanes.chunk(chunk * CHUNK, now, self.before.unwrap_or(now));

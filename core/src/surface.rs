@@ -16,6 +16,7 @@ use crate::event::{Label, Sink};
 use crate::fit::{Fit, mean_square_range_m2};
 use crate::label::Area;
 use crate::plane::{Moments, exact_points};
+use crate::within::{at, put};
 
 /// Squares, in units of the noise, that a common plane may add by chance: it has three numbers less than two planes, whose
 /// squares exceed 20 once in 6000 times.
@@ -90,8 +91,10 @@ impl Noise {
 /// The areas of a scan.
 pub(crate) struct Surfaces<'a> {
     table: &'a mut [Area],
-    planes: &'a mut [f32],
-    marks: &'a mut [u16],
+    /// Of each slot the plane per metre, and its squares.
+    planes: &'a mut [[f32; PLANE_LEN]],
+    /// Of each slot the last row, and the state.
+    marks: &'a mut [[u16; MARKS_LEN]],
     next_label: u32,
     exact_points: u32,
     /// Whether an area was joined into another one in this row.
@@ -101,11 +104,12 @@ pub(crate) struct Surfaces<'a> {
 
 impl<'a> Surfaces<'a> {
     pub fn new(table: &'a mut [Area], planes: &'a mut [f32], marks: &'a mut [u16], max_range_m: f32) -> Self {
+        let (planes, marks) = (planes.as_chunks_mut().0, marks.as_chunks_mut().0);
         Self { table, planes, marks, next_label: 1, exact_points: exact_points(max_range_m), joined: false, row: 0 }
     }
 
     pub fn reset(&mut self) {
-        self.marks.fill(FREE);
+        self.marks.fill([0, FREE]);
         self.next_label = 1;
         self.joined = false;
         self.row = 0;
@@ -119,10 +123,8 @@ impl<'a> Surfaces<'a> {
     #[inline]
     pub fn plane(&self, slot: u16) -> Option<[f32; 3]> {
         let area = self.table.get(usize::from(slot))?;
-        (self.last_row(slot) > area.first_row).then(|| {
-            let p = usize::from(slot) * PLANE_LEN;
-            [self.planes[p], self.planes[p + 1], self.planes[p + 2]]
-        })
+        let [x, y, z, _] = at(self.planes, usize::from(slot));
+        (self.last_row(slot) > area.first_row).then_some([x, y, z])
     }
 
     /// Rows and points of an area.
@@ -132,25 +134,32 @@ impl<'a> Surfaces<'a> {
     }
 
     fn get(&self, slot: u16) -> &Area {
-        &self.table[usize::from(slot)]
+        self.table.get(usize::from(slot)).unwrap_or(&Area::EMPTY)
     }
 
     fn last_row(&self, slot: u16) -> u16 {
-        self.marks[usize::from(slot) * MARKS_LEN]
+        at(self.marks, usize::from(slot))[0]
     }
 
-    fn state(&mut self, slot: u16) -> &mut u16 {
-        &mut self.marks[usize::from(slot) * MARKS_LEN + 1]
+    fn state(&self, slot: u16) -> u16 {
+        at(self.marks, usize::from(slot))[1]
+    }
+
+    fn mark(&mut self, slot: u16, last_row: u16, state: u16) {
+        put(self.marks, usize::from(slot), [last_row, state]);
+    }
+
+    fn set_state(&mut self, slot: u16, state: u16) {
+        self.mark(slot, self.last_row(slot), state);
     }
 
     fn squares(&self, slot: u16) -> f64 {
-        f64::from(self.planes[usize::from(slot) * PLANE_LEN + 3])
+        f64::from(at(self.planes, usize::from(slot))[3])
     }
 
     fn set_plane(&mut self, slot: u16, fit: &Fit) {
-        let p = usize::from(slot) * PLANE_LEN;
-        self.planes[p..p + 3].copy_from_slice(&fit.per_metre());
-        self.planes[p + 3] = fit.squares as f32;
+        let [x, y, z] = fit.per_metre();
+        put(self.planes, usize::from(slot), [x, y, z, fit.squares as f32]);
     }
 
     /// The slot that an area was joined into in this row; its own if none.
@@ -164,8 +173,10 @@ impl<'a> Surfaces<'a> {
     /// Adds a run of this row to an area.
     pub fn extend(&mut self, slot: u16, run: &Range<usize>, moments: &Moments) {
         let (row, exact) = (self.row, self.exact_points);
-        self.table[usize::from(slot)].take(run, moments, exact);
-        self.marks[usize::from(slot) * MARKS_LEN] = row;
+        if let Some(area) = self.table.get_mut(usize::from(slot)) {
+            area.take(run, moments, exact);
+        }
+        self.mark(slot, row, self.state(slot));
     }
 
     /// A new area from a line, whose squares are given in units of the noise; [`FULL`] if there is no room. The smallest
@@ -174,7 +185,7 @@ impl<'a> Surfaces<'a> {
         let slots = 0..self.table.len().min(usize::from(FULL)) as u16;
         let mut best = None;
         for slot in slots {
-            let size = match *self.state(slot) {
+            let size = match self.state(slot) {
                 FREE => 0,
                 ENDED => self.get(slot).points,
                 _ => continue,
@@ -187,13 +198,12 @@ impl<'a> Surfaces<'a> {
             }
         }
         let Some((_, slot)) = best else { return FULL };
-        self.table[usize::from(slot)] = Area::begin(self.next_label, self.row, line.start as u16, slot);
+        put(self.table, usize::from(slot), Area::begin(self.next_label, self.row, line.start as u16, slot));
         self.next_label += 1;
-        *self.state(slot) = LIVE;
-        let p = usize::from(slot) * PLANE_LEN;
+        self.set_state(slot, LIVE);
         // no plane, which nothing follows: some points never make one
-        self.planes[p..p + 3].fill(0.0);
-        self.planes[p + 3] = (squares * noise.range_m2 / mean_square_range_m2(moments)) as f32;
+        let squares = squares * noise.range_m2 / mean_square_range_m2(moments);
+        put(self.planes, usize::from(slot), [0.0, 0.0, 0.0, squares as f32]);
         self.extend(slot, line, moments);
         slot
     }
@@ -258,14 +268,15 @@ impl<'a> Surfaces<'a> {
     pub fn join<S: Sink>(&mut self, one: u16, other: u16, fit: &Fit, sink: &mut S) -> ControlFlow<()> {
         let older = self.get(one).label < self.get(other).label;
         let (kept, gone) = if older { (one, other) } else { (other, one) };
-        let (area, exact) = (*self.get(gone), self.exact_points);
-        let join = self.table[usize::from(kept)].absorb(&area, exact);
-        self.table[usize::from(gone)].link = kept;
+        let exact = self.exact_points;
+        let Some(area) = self.table.get_mut(usize::from(gone)) else { return ControlFlow::Continue(()) };
+        area.link = kept;
+        let other = *area;
+        let Some(area) = self.table.get_mut(usize::from(kept)) else { return ControlFlow::Continue(()) };
+        let join = area.absorb(&other, exact);
         self.joined = true;
-        let state = (*self.state(kept)).max(*self.state(gone));
-        *self.state(kept) = state;
-        let (k, g) = (usize::from(kept) * MARKS_LEN, usize::from(gone) * MARKS_LEN);
-        self.marks[k] = self.marks[k].max(self.marks[g]);
+        let latest = self.last_row(kept).max(self.last_row(gone));
+        self.mark(kept, latest, self.state(kept).max(self.state(gone)));
         self.set_plane(kept, fit);
         sink.join(join)
     }
@@ -273,7 +284,7 @@ impl<'a> Surfaces<'a> {
     /// Planes of the areas that this row has added to.
     pub fn refit(&mut self) {
         for slot in 0..self.table.len() as u16 {
-            let grown = *self.state(slot) >= LIVE && self.last_row(slot) == self.row;
+            let grown = self.state(slot) >= LIVE && self.last_row(slot) == self.row;
             let old = grown && self.get(slot).first_row < self.row;
             if let Some(fit) = old.then(|| Fit::of(&self.get(slot).moments())).flatten() {
                 self.set_plane(slot, &fit);
@@ -289,20 +300,20 @@ impl<'a> Surfaces<'a> {
     pub fn bridge<S: Sink>(&mut self, noise: &Noise, sink: &mut S) -> ControlFlow<()> {
         let slots = self.table.len() as u16;
         for slot in 0..slots {
-            let (state, points) = (*self.state(slot), self.get(slot).points);
+            let (state, points) = (self.state(slot), self.get(slot).points);
             let due = state >= LIVE
                 && self.is_root(slot)
                 && self.last_row(slot) == self.row
                 && self.get(slot).first_row < self.row
                 && points >= GAP_POINTS
-                && LIVE + points.ilog2() as u16 > state;
+                && LIVE + log2(points) > state;
             if !due {
                 continue;
             }
-            *self.state(slot) = LIVE + points.ilog2() as u16;
+            self.set_state(slot, LIVE + log2(points));
             let mut slot = slot;
             for other in 0..slots {
-                let candidate = *self.state(other) != FREE
+                let candidate = self.state(other) != FREE
                     && other != slot
                     && self.is_root(other)
                     && self.get(other).points >= GAP_POINTS;
@@ -326,14 +337,14 @@ impl<'a> Surfaces<'a> {
     /// After a row: areas that have not grown are complete. `all`: every area is.
     pub fn close<S: Sink>(&mut self, all: bool, sink: &mut S) -> ControlFlow<()> {
         for slot in 0..self.table.len() as u16 {
-            let state = *self.state(slot);
+            let state = self.state(slot);
             if state == FREE {
                 continue;
             }
             if !self.is_root(slot) {
-                *self.state(slot) = FREE;
+                self.set_state(slot, FREE);
             } else if state >= LIVE && (all || self.last_row(slot) < self.row) {
-                *self.state(slot) = ENDED;
+                self.set_state(slot, ENDED);
                 sink.segment(&self.get(slot).segment(self.last_row(slot)))?;
             }
         }
@@ -344,4 +355,9 @@ impl<'a> Surfaces<'a> {
     pub fn label(table: &[Area], slot: u16) -> Option<Label> {
         table.get(usize::from(slot)).map(|area| Label(area.label))
     }
+}
+
+/// The logarithm of a number of points, rounded down.
+fn log2(points: u32) -> u16 {
+    points.checked_ilog2().unwrap_or(0) as u16
 }

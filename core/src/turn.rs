@@ -9,6 +9,7 @@ use crate::bits::CHUNK;
 use crate::follow::RowNoise;
 use crate::scanline::{Lanes, Scanline};
 use crate::surface::{FULL, Surfaces};
+use crate::within::{at, part_mut, put};
 
 /// Every fourth pixel is looked at.
 const STRIDE: usize = 4;
@@ -80,7 +81,7 @@ impl Turns {
         for from in (0..above.len()).step_by(CHUNK) {
             line.lanes(from, &mut lanes);
             for i in (0..CHUNK.min(above.len() - from)).step_by(STRIDE) {
-                let slot = above[from + i];
+                let (slot, i) = (at(above, from + i), i % CHUNK);
                 if slot != known.0 {
                     let plane = surfaces.plane(slot).filter(|_| {
                         let (rows, points) = surfaces.size(slot);
@@ -93,7 +94,7 @@ impl Turns {
                 let slope = range_m * range_m * lanes.cos[i] * turned;
                 let tells = slope * slope * (EXPECTED_RAD * EXPECTED_RAD) >= range_m2;
                 if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * EXPECTED_RAD) {
-                    samples[count] = [error, slope];
+                    put(samples, count, [error, slope]);
                     count += 1;
                     weights += slope.abs();
                 }
@@ -103,8 +104,8 @@ impl Turns {
             return None;
         }
         self.told += 1;
-        let samples = &mut samples[..count];
-        samples.sort_unstable_by(|a, b| (-a[0] / a[1]).total_cmp(&(-b[0] / b[1])));
+        let samples = part_mut(samples, 0..count);
+        sort(samples, |[error, slope]| -error / slope);
         let mut sum = 0.0;
         let median = samples.iter().find(|sample| {
             sum += sample[1].abs();
@@ -129,5 +130,50 @@ impl Turns {
         self.off += 1;
         self.squares_rad2 += turn_rad * turn_rad;
         Some(turn_rad)
+    }
+}
+
+/// Sorts by a key, smallest first: a heap, because the sorts of the standard library can panic.
+fn sort(samples: &mut [[f32; 2]], key: impl Fn([f32; 2]) -> f32) {
+    let sink = |samples: &mut [[f32; 2]], mut place: usize, end: usize| {
+        let sample = at(samples, place);
+        loop {
+            let left = 2 * place + 1;
+            if left >= end {
+                break;
+            }
+            let right_is_larger = left + 1 < end && key(at(samples, left)) < key(at(samples, left + 1));
+            let child = left + usize::from(right_is_larger);
+            if key(sample) >= key(at(samples, child)) {
+                break;
+            }
+            put(samples, place, at(samples, child));
+            place = child;
+        }
+        put(samples, place, sample);
+    };
+    let count = samples.len();
+    for place in (0..count / 2).rev() {
+        sink(samples, place, count);
+    }
+    for end in (1..count).rev() {
+        let (largest, last) = (at(samples, 0), at(samples, end));
+        put(samples, end, largest);
+        put(samples, 0, last);
+        sink(samples, 0, end);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn sorted() {
+        for count in 0..40_u32 {
+            let mut samples: std::vec::Vec<_> = (0..count).map(|i| [(i * 17 % 23) as f32, 1.0]).collect();
+            let mut expected = samples.clone();
+            expected.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            super::sort(&mut samples, |[error, _]| error);
+            assert_eq!(samples, expected);
+        }
     }
 }

@@ -213,7 +213,7 @@ impl<'a> Checked<'a> {
     }
 
     pub fn used_traces(&self) -> &[scanseg::Trace] {
-        &self.traces[..self.config.trace_count as usize]
+        self.traces.get(..self.config.trace_count as usize).unwrap_or_default()
     }
 
     /// Everything that the core says of it, for lists anywhere.

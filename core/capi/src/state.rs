@@ -153,10 +153,9 @@ pub(crate) unsafe fn make(memory: *mut u8, size: usize, checked: &Checked) -> Re
         let traces = parts.take::<Trace>(layout.traces);
         (Memory { ranges, bearings, words, areas }, angles, traces)
     };
-    if !angles.is_empty() {
-        angles.copy_from_slice(checked.angles_rad);
-    }
-    traces.copy_from_slice(checked.used_traces());
+    // of the same lengths, where there are any
+    angles.iter_mut().zip(checked.angles_rad).for_each(|(to, &angle_rad)| *to = angle_rad);
+    traces.iter_mut().zip(checked.used_traces()).for_each(|(to, &trace)| *to = trace);
     let (config, beams): (Config<'static>, Beams<'static>) = checked.core(angles, traces);
     let columns = checked.config.columns as usize;
     let segmenter = match checked.config.approach {
