@@ -256,6 +256,22 @@ fn rejection(bytes: &[u8]) -> Option<TelegramError> {
     })
 }
 
+/// Answers that say less than they should, or something else.
+#[test]
+fn poor_answers() {
+    let answer = |command: Command, payload: &[u8]| {
+        let mut decoder = Decoder::new();
+        telegram(&mut decoder, &framed(payload));
+        command.answer(&decoder.telegram().expect("telegram"))
+    };
+    assert_eq!(answer(Command::Start, &[0xA0, 0x10]), Some(Answer::Refused(0xFF)), "not a word of how it went");
+    assert_eq!(answer(Command::Install, &[0xA0, 0x01, 0x10]), Some(Answer::Refused(1)), "wrong password");
+    assert_eq!(answer(Command::Type, &[0x92, 0x10]), Some(Answer::Refused(0x92)));
+    assert_eq!(answer(Command::Type, &[0xB1, 0x00, 0x10]), None);
+    assert_eq!(answer(Command::SetVariant(Variant::Deg180Step1), &[0xBB, 0x01, 0x10]), Some(Answer::Refused(1)));
+    assert_eq!(answer(Command::Reset, &[0x91, 0x10]), Some(Answer::Done));
+}
+
 /// All with a right check word.
 #[test]
 fn contradictions_are_rejected() {

@@ -25,6 +25,7 @@
 use super::crc::check_word;
 use super::settings::{Baud, MeasuringMode, Unit, Variant};
 use super::telegram::Telegram;
+use crate::copy;
 
 /// Answer to a change of the operating mode or the baud rate.
 pub const MODE_ANSWER: u8 = 0xA0;
@@ -98,7 +99,7 @@ impl CommandBytes {
 
     fn push(&mut self, bytes: &[u8]) {
         if let Some(room) = self.bytes.get_mut(self.length..self.length + bytes.len()) {
-            room.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
+            copy(room, bytes);
             self.length += bytes.len();
         }
     }
@@ -227,7 +228,7 @@ impl Configuration {
     #[must_use]
     pub fn new(data: &[u8]) -> Option<Self> {
         let mut bytes = [0; MAX_CONFIGURATION];
-        bytes.get_mut(..data.len())?.iter_mut().zip(data).for_each(|(to, &byte)| *to = byte);
+        copy(bytes.get_mut(..data.len())?, data);
         (data.len() > Self::UNIT).then_some(Self { bytes, length: data.len() })
     }
 

@@ -8,6 +8,7 @@
 use super::crc::check_word;
 use super::scan::{Scan, ScanError, ScanFormat};
 use super::status::Status;
+use crate::copy;
 
 /// Longest telegram, start byte and check word included: a scan of 401 values.
 pub const MAX_TELEGRAM: usize = 812;
@@ -300,7 +301,7 @@ impl Decoder {
             self.first = 0;
         }
         if let Some(room) = self.buffer.get_mut(self.end..self.end + bytes.len()) {
-            room.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
+            copy(room, bytes);
             self.end += bytes.len();
         }
     }
