@@ -1,11 +1,9 @@
 //! Bearing angles: how far f32 is from f64.
 
-#[allow(dead_code)]
-mod common;
-
 use scanseg_core::{BeamAngle, Config, MAX_ERROR_RAD, Trace, TurnAxis, bearing_angle_rad};
 use scanseg_tests::reference::beams::angle_between;
 use scanseg_tests::reference::bearing::{bearing_angle, bearing_counts};
+use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Rig, Scan, reference_trace};
 use std::f64::consts::PI;
 
@@ -147,8 +145,8 @@ fn whole_chain() {
             1.0 / walls.into_iter().fold(pillar, f64::max)
         });
         for (i, range_m) in scan.range_m.iter_mut().enumerate() {
-            *range_m += 0.02 * (common::uniform(9, number, i) as f32 - 0.5);
-            if common::uniform(10, number, i) < 0.02 {
+            *range_m += 0.02 * (uniform(9, number, i) as f32 - 0.5);
+            if uniform(10, number, i) < 0.02 {
                 *range_m = f32::NAN;
             }
         }
