@@ -26,14 +26,14 @@ pub struct Calibration {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
-    /// The gear ratio is not a number above 0.
+    /// The gear ratio is none that a gear has: 0.001 to 1 000 000.
     Gear(f32),
 }
 
 impl core::fmt::Display for CalibrationError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self::Gear(gear) = self;
-        write!(f, "gear ratio must be above 0, is {gear}")
+        write!(f, "gear ratio must be from 0.001 to 1000000, is {gear}")
     }
 }
 
@@ -41,12 +41,12 @@ impl core::error::Error for CalibrationError {}
 
 impl Calibration {
     /// `zero_turn`: the encoder's position, in 2^-32 turns, where the tilt is at 0. `gear`: turns of the encoder for one turn
-    /// of the tilt, above 0; 1 for an encoder on the tilt axis.
+    /// of the tilt, 0.001 to 1 000 000; 1 for an encoder on the tilt axis.
     ///
     /// # Errors
     /// [`CalibrationError::Gear`].
     pub const fn new(zero_turn: u32, direction: Direction, gear: f32) -> Result<Self, CalibrationError> {
-        if !(gear > 0.0 && gear < f32::INFINITY) {
+        if !(gear >= 0.001 && gear <= 1e6) {
             return Err(CalibrationError::Gear(gear));
         }
         let rad_per_unit = core::f32::consts::TAU / 4_294_967_296.0 / gear;
@@ -147,6 +147,19 @@ mod tests {
     fn bad_gears() {
         for gear in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(Calibration::new(0, Direction::Same, gear).is_err());
+        }
+    }
+
+    /// One so small, or so large, that the turn angle would overflow, or be 0 times infinity.
+    #[test]
+    fn gears_that_leave_no_angle() {
+        for gear in [f32::MIN_POSITIVE, 1e-40, 1e-9, 1e9, f32::MAX] {
+            assert_eq!(Calibration::new(0, Direction::Same, gear), Err(CalibrationError::Gear(gear)));
+        }
+        for gear in [0.001, 1e6] {
+            let calibration = Calibration::new(0, Direction::Same, gear).unwrap();
+            let mut tilt = Tilt { encoder: Fake(0), calibration, total: Some(i64::MAX >> 1) };
+            assert!(read(&mut tilt, 0).is_finite());
         }
     }
 }
