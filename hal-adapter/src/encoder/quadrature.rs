@@ -61,8 +61,8 @@ impl Edges {
 #[must_use]
 pub const fn turn(count: i32, counts_per_turn: u32) -> u32 {
     let counts_per_turn = if counts_per_turn == 0 { 1 } else { counts_per_turn as i64 };
-    let within = (count as i64).rem_euclid(counts_per_turn);
-    ((within << 32) / counts_per_turn) as u32
+    let within = (count as i64).rem_euclid(counts_per_turn) as u64;
+    ((within << 32) / counts_per_turn as u64) as u32
 }
 
 /// A quadrature encoder whose count a function gives, for instance that of a timer in encoder mode, widened to 32 bits.
@@ -124,5 +124,13 @@ mod tests {
         assert_eq!(turn(2000, 2000), 0);
         assert_eq!(turn(i32::MIN, 2000), turn(i32::MIN + 2000, 2000));
         assert_eq!(turn(7, 0), 0);
+    }
+
+    /// More than 2^31 counts a turn: they need all of 64 bits.
+    #[test]
+    fn counts_of_the_finest_encoder() {
+        assert_eq!(turn(-1, u32::MAX), u32::MAX - 1);
+        assert_eq!(turn(i32::MIN, u32::MAX), 0x7FFF_FFFF);
+        assert_eq!(turn(-1, 1 << 31), u32::MAX - 1);
     }
 }
