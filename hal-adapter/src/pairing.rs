@@ -87,17 +87,18 @@ impl Sweep {
     #[must_use]
     pub fn mean_age_us(&self) -> f32 {
         // in whole quarter degrees, for processors without floating point
-        let sum: u32 = (0..self.columns).map(|column| self.age_quarters(column)).sum();
+        let sum: i32 = (0..self.columns).map(|column| self.age_quarters(column)).sum();
         sum as f32 / (1440.0 * f32::from(self.columns.max(1))) * MIRROR_TURN_US
     }
 
-    /// [`Sweep::age_us`] in quarter degrees of the mirror's turn, for columns of the telegram.
-    fn age_quarters(&self, column: u16) -> u32 {
-        let column = u32::from(column) + u32::from(self.first_column);
-        let mask = u32::from(self.turn_mask);
+    /// [`Sweep::age_us`] in quarter degrees of the mirror's turn, for columns of the telegram. Below 0 for those of a
+    /// telegram that is not of this variant.
+    fn age_quarters(&self, column: u16) -> i32 {
+        let column = i32::from(column) + i32::from(self.first_column);
+        let mask = i32::from(self.turn_mask);
         let turns_after = mask - (column & mask);
-        let quarter = u32::from(self.first_quarter) + column * u32::from(self.step_quarters);
-        turns_after * 1440 + u32::from(self.view_quarters).saturating_sub(quarter)
+        let quarter = i32::from(self.first_quarter) + column * i32::from(self.step_quarters);
+        turns_after * 1440 + i32::from(self.view_quarters) - quarter
     }
 }
 
