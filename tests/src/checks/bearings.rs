@@ -51,6 +51,6 @@ fn allowed(phi: f64, turn: f64) -> f64 {
         // both are rounded to counts
         return (f64::from(MAX_ERROR_RAD) * 65535.0 / PI).ceil() + 1.0;
     }
-    let near = if phi < NEAR_RAD { 0.5 * 1e-7 * turn / phi } else { 0.0 };
+    let near = if phi < NEAR_RAD && turn > 0.0 { 0.5 * 1e-7 * turn / phi } else { 0.0 };
     1.0 + (near * 65535.0 / PI).ceil()
 }
