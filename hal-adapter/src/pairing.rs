@@ -89,14 +89,14 @@ impl Sweep {
     #[must_use]
     pub fn mean_age_us(&self) -> f32 {
         // sums in whole quarter degrees of the mirror's turn
-        let [first, columns, turns] = [self.first_column, self.columns, self.turn_mask + 1].map(u32::from);
-        let quarters = columns * u32::from(self.first_quarter)
-            + u32::from(self.step_quarters) * columns * (2 * first + columns).saturating_sub(1) / 2;
-        // columns up to a number that are of a turn, the first being turn 0
-        let of_turn = |turn: u32, to: u32| (to + turns - 1 - turn).checked_div(turns).unwrap_or(0);
-        let turns_after: u32 =
+        let [first, columns, turns] = [self.first_column, self.columns, self.turn_mask + 1].map(i32::from);
+        let quarters = columns * i32::from(self.first_quarter)
+            + i32::from(self.step_quarters) * (columns * (2 * first + columns - 1) / 2);
+        // how many columns before a column are of a turn; the first column is of turn 0
+        let of_turn = |turn: i32, column: i32| (column + turns - 1 - turn).checked_div(turns).unwrap_or(0);
+        let turns_after: i32 =
             (0..turns).map(|turn| (turns - 1 - turn) * (of_turn(turn, first + columns) - of_turn(turn, first))).sum();
-        let sum = (turns_after * 1440 + columns * u32::from(self.view_quarters)).saturating_sub(quarters);
+        let sum = turns_after * 1440 + columns * i32::from(self.view_quarters) - quarters;
         sum as f32 / (1440.0 * columns.max(1) as f32) * MIRROR_TURN_US
     }
 }

@@ -24,7 +24,7 @@ fn texts() {
         (&ScanError::Unit(3), "unit code 3 is not expected"),
         (&ScanError::Partial { partial: true, quarter: 2 }, "partial = true at quarter 2 is not expected"),
         (&ScanError::SubRange { first: 9, last: 1 }, "sub-range 9 to 1 does not fit the count"),
-        (&gear, "gear ratio must be above 0, is -2"),
+        (&gear, "gear ratio must be from 0.001 to 1000000, is -2"),
         (&as5048a::FrameError::Parity(0x8001), "answer 0x8001 has odd parity"),
         (&as5048a::FrameError::Flagged, "error flag is set"),
         (&as5048a::Error::<()>::Parity(0x8001), "AS5048A answer 0x8001 has odd parity"),

@@ -55,6 +55,13 @@ fn ages() {
     assert_eq!(part.age_us(1), two.age_us(90));
 }
 
+/// Of a sub-range of columns that the variant does not have, the age of the row is still the mean of those of its columns.
+#[test]
+fn ages_of_a_telegram_that_is_not_of_the_variant() {
+    let beyond = sweep(&[0xB7, 0x49, 0x01, 0x4A, 0x01], 2, Variant::Deg100Step05);
+    close(beyond.mean_age_us(), (beyond.age_us(0) + beyond.age_us(1)) / 2.0);
+}
+
 const SETTINGS: Settings = Settings {
     baud: Baud::B500000,
     variant: Variant::Deg180Step05,

@@ -1,6 +1,8 @@
 //! Slow, obvious models of what scanseg does, for its tests.
 pub mod art;
+pub mod checks;
 pub mod hoover;
 pub mod order;
 pub mod reference;
+pub mod scenes;
 pub mod stream;

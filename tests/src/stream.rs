@@ -5,9 +5,9 @@ use crate::reference::closing::Element as ReferenceElement;
 use crate::reference::labels::Class;
 use crate::reference::{Image, Segmentation, Settings, Size, Trace as ReferenceTrace, segment_counts};
 use scanseg_core::{
-    Area, Beams, COUNTS_PER_RAD, Columns, Config, EdgeRow, EdgeSegmenter, Element, Finished, Join, LATENCY_ROWS, Label,
-    LabelRow, Memory, Pixel, PlaneSegmenter, PushError, RegionSegmenter, Row, Segment, Sink, Sizes, Status, Trace,
-    TurnAxis, bearing_row,
+    Area, Beams, COUNTS_PER_RAD, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Element, Finished, Join,
+    LATENCY_ROWS, Label, LabelRow, Memory, Pixel, PlaneSegmenter, PushError, RegionSegmenter, Row, Segment, Sink,
+    Sizes, Status, Trace, TurnAxis, bearing_row,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -147,35 +147,32 @@ impl Scan {
         segment_counts(&self.image(config), &self.reference_beams(), &settings(config), counts)
     }
 
-    /// Everything that a fresh segmenter with a table of `areas` live labels reports.
+    /// Everything that a fresh edge-based segmenter with a table of `areas` live labels reports.
     pub fn record(&self, config: &Config, areas: usize) -> Record {
-        let mut room = Room::new(self.columns, config, areas);
-        let mut segmenter = EdgeSegmenter::new(*config, self.beams(), self.columns, room.memory()).unwrap();
-        let mut record = Record::default();
-        self.feed(&mut segmenter, &mut record).unwrap();
-        record
+        self.record_by(Approach::Edge, config, areas)
     }
 
     /// As [`Scan::record`], by the region-based approach.
     pub fn record_regions(&self, config: &Config, areas: usize) -> Record {
-        let mut room = Room::new(self.columns, config, areas);
-        let mut segmenter = RegionSegmenter::new(*config, self.beams(), self.columns, room.memory()).unwrap();
-        let mut record = Record::default();
-        self.feed(&mut segmenter, &mut record).unwrap();
-        record
+        self.record_by(Approach::Region, config, areas)
     }
 
     /// As [`Scan::record`], by the plane approach.
     pub fn record_planes(&self, config: &Config, areas: usize) -> Record {
+        self.record_by(Approach::Plane, config, areas)
+    }
+
+    /// As [`Scan::record`], by any approach.
+    pub fn record_by(&self, approach: Approach, config: &Config, areas: usize) -> Record {
         let mut room = Room::new(self.columns, config, areas);
-        let mut segmenter = PlaneSegmenter::new(*config, self.beams(), self.columns, room.memory()).unwrap();
+        let mut segmenter = approach.segmenter(*config, self.beams(), self.columns, room.memory()).unwrap();
         let mut record = Record::default();
-        self.feed(&mut segmenter, &mut record).unwrap();
+        self.feed(&mut *segmenter, &mut record).unwrap();
         record
     }
 
     /// Pushes all rows and finishes, until the record breaks off.
-    pub fn feed(&self, segmenter: &mut impl Segmenter, record: &mut Record) -> Result<(), PushError> {
+    pub fn feed(&self, segmenter: &mut dyn Segmenter, record: &mut Record) -> Result<(), PushError> {
         for row in 0..self.turn_rad.len() {
             let status = segmenter.push(self.row_m(row), self.turn_rad[row], record)?;
             record.statuses.push(status);
@@ -194,35 +191,56 @@ pub trait Segmenter {
     fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError>;
     /// `finish`.
     fn end(&mut self, record: &mut Record) -> Finished;
+    /// `reset`.
+    fn clear(&mut self);
 }
 
-impl Segmenter for EdgeSegmenter<'_> {
-    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
-        self.push_row(ranges_m, turn_rad, record)
-    }
+macro_rules! segmenter {
+    ($($segmenter:ident)*) => {$(
+        impl Segmenter for $segmenter<'_> {
+            fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
+                self.push_row(ranges_m, turn_rad, record)
+            }
 
-    fn end(&mut self, record: &mut Record) -> Finished {
-        self.finish(record)
-    }
+            fn end(&mut self, record: &mut Record) -> Finished {
+                self.finish(record)
+            }
+
+            fn clear(&mut self) {
+                self.reset();
+            }
+        }
+    )*};
 }
 
-impl Segmenter for RegionSegmenter<'_> {
-    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
-        self.push_row(ranges_m, turn_rad, record)
-    }
+segmenter!(PlaneSegmenter EdgeSegmenter RegionSegmenter);
 
-    fn end(&mut self, record: &mut Record) -> Finished {
-        self.finish(record)
-    }
+/// The way in which a segmenter works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs)]
+pub enum Approach {
+    Plane,
+    Edge,
+    Region,
 }
 
-impl Segmenter for PlaneSegmenter<'_> {
-    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
-        self.push_row(ranges_m, turn_rad, record)
-    }
-
-    fn end(&mut self, record: &mut Record) -> Finished {
-        self.finish(record)
+impl Approach {
+    /// A segmenter of this approach.
+    ///
+    /// # Errors
+    /// That of its `new`.
+    pub fn segmenter<'a>(
+        self,
+        config: Config<'a>,
+        beams: Beams<'a>,
+        columns: usize,
+        memory: Memory<'a>,
+    ) -> Result<Box<dyn Segmenter + 'a>, ConfigError> {
+        Ok(match self {
+            Approach::Plane => Box::new(PlaneSegmenter::new(config, beams, columns, memory)?),
+            Approach::Edge => Box::new(EdgeSegmenter::new(config, beams, columns, memory)?),
+            Approach::Region => Box::new(RegionSegmenter::new(config, beams, columns, memory)?),
+        })
     }
 }
 

@@ -1,11 +1,8 @@
 //! Small scans with their edges and labels as pictures: `#` is an edge, a letter a label, a blank no return.
 
-#[allow(dead_code)]
-mod common;
-
-use common::scanner;
 use scanseg_core::{Config, Element, Join, Label, Pixel, Trace, live_labels};
 use scanseg_tests::art::Picture;
+use scanseg_tests::scenes::scanner;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 use std::f32::consts::PI;
 

@@ -1,11 +1,8 @@
 //! Small scans and their planes as pictures: `#` is a return in no area, a letter a label, a blank no return.
 
-#[allow(dead_code)]
-mod common;
-
-use common::{scanner, uniform};
 use scanseg_core::{Config, Join, Label, Pixel, live_labels};
 use scanseg_tests::art::{Picture, canonical};
+use scanseg_tests::scenes::{scanner, uniform};
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 use std::f32::consts::TAU;
 

@@ -1,11 +1,8 @@
 //! Small scans and their regions as pictures: `#` is a pixel on no line, a letter a label, a blank no return.
 
-#[allow(dead_code)]
-mod common;
-
-use common::scanner;
 use scanseg_core::{Config, Join, Label, Pixel, TurnAxis, live_labels};
 use scanseg_tests::art::Picture;
+use scanseg_tests::scenes::scanner;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 
 const CONFIG: Config = Config { range_noise_m: 0.0, ..Config::paper() };

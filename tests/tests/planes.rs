@@ -1,12 +1,9 @@
 //! The plane of a large, far, noisy surface.
 
-#[allow(dead_code)]
-mod common;
-
-use common::uniform;
 use nalgebra::Vector3;
 use scanseg_core::{Config, TurnAxis, live_labels};
 use scanseg_tests::reference::planes::fit_plane;
+use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Rig, Scan};
 use std::f32::consts::{FRAC_PI_2, PI};
 

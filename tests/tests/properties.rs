@@ -1,9 +1,8 @@
 //! What must hold of every scan, whatever is in it.
 
-#[allow(dead_code)]
 mod common;
 
-use common::{configs, scan_of, scans};
+use common::{configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{
     COUNTS_PER_RAD, Config, EdgeSegmenter, Finished, LATENCY_ROWS, MAX_ERROR_RAD, MAX_ROWS, PushError, Status, Trace,
@@ -11,6 +10,7 @@ use scanseg_core::{
 };
 use scanseg_tests::art::{Picture, canonical};
 use scanseg_tests::reference::edges;
+use scanseg_tests::scenes::scan_of;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, settings};
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -1,15 +1,13 @@
 //! The region-based segmenter: what the reference finds in the whole image, and what must hold of every scan.
 
-#[allow(dead_code)]
 mod common;
 
-use common::{configs, scan_of, scans, uniform};
+use common::{configs, scans};
 use proptest::prelude::*;
-use scanseg_core::{Config, Finished, Pixel, PushError, RegionSegmenter, Status, TurnAxis, live_labels};
-use scanseg_tests::art::{Picture, canonical};
-use scanseg_tests::reference::lines::Settings;
-use scanseg_tests::reference::regions::{Regions, regions};
-use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter, class};
+use scanseg_core::{Config, PushError, RegionSegmenter, Status, TurnAxis, live_labels};
+use scanseg_tests::checks::regions::{assert_consistent, assert_same};
+use scanseg_tests::scenes::{scan_of, uniform};
+use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter};
 
 /// With other thresholds of lines and regions.
 fn region_configs() -> impl Strategy<Value = Config<'static>> {
@@ -22,58 +20,6 @@ fn region_configs() -> impl Strategy<Value = Config<'static>> {
         range_noise_m,
         ..config
     })
-}
-
-fn expected(scan: &Scan, config: &Config) -> Regions {
-    let settings = Settings {
-        line_angle_rad: config.line_angle_rad.into(),
-        range_noise_m: config.range_noise_m.into(),
-        plane_distance_m: config.plane_distance_m.into(),
-    };
-    regions(&scan.image(config), &scan.reference_beams(), &settings)
-}
-
-/// Compares everything where no decision of the reference is in doubt. Gives whether it did.
-fn assert_same(scan: &Scan, config: &Config) -> bool {
-    let columns = scan.columns;
-    let record = scan.record_regions(config, live_labels(columns));
-    record.assert_order_of_regions(scan.turn_rad.len());
-    assert_eq!(record.unlabelled(columns).iter().sum::<u32>(), 0, "pixels without a label");
-    assert_counts(scan, &record);
-    let expected = expected(scan, config);
-    if expected.doubt.doubtful > 0 {
-        return false;
-    }
-    assert_eq!(Picture::bits(columns, &record.edges(columns)), Picture::bits(columns, &expected.breaks));
-    let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
-    assert_eq!(Picture::classes(columns, &classes), Picture::classes(columns, &expected.classes));
-    let labels = canonical(&record.labels());
-    assert_eq!(
-        Picture::labels(columns, &classes, &labels),
-        Picture::labels(columns, &expected.classes, &expected.labels)
-    );
-    assert_eq!(labels, expected.labels);
-    true
-}
-
-/// Every segment counts the pixels of its label.
-fn assert_counts(scan: &Scan, record: &Record) {
-    let labels = record.labels();
-    let mut counted = std::collections::BTreeMap::new();
-    for &label in labels.iter().filter(|&&label| label != 0) {
-        *counted.entry(label).or_insert(0) += 1;
-    }
-    let segments = record.segments();
-    assert_eq!(
-        segments.values().map(|s| (s.label.0, s.pixels())).collect::<std::collections::BTreeMap<_, _>>(),
-        counted
-    );
-    for (pixel, &label) in scan.size().pixels().zip(&labels).filter(|&(_, &label)| label != 0) {
-        let segment = segments[&label];
-        let rows = usize::from(segment.first_row)..=usize::from(segment.last_row);
-        let columns = usize::from(segment.first_column)..=usize::from(segment.last_column);
-        assert!(rows.contains(&pixel.0) && columns.contains(&pixel.1), "{pixel:?} {segment:?}");
-    }
 }
 
 proptest! {
@@ -129,22 +75,10 @@ proptest! {
         prop_assert_eq!(&last, &expected);
     }
 
-    /// With a table that is too small: lines go without a label only where nothing that touches them has one that takes
-    /// them, and everything that is told still adds up.
     #[test]
     fn few_labels(scan in scans(24), config in region_configs(), share in 0.0f64..1.0) {
         let areas = 1 + (share * share * (live_labels(scan.columns) - 1) as f64) as usize;
-        let record = scan.record_regions(&config, areas);
-        record.assert_order_of_regions(scan.turn_rad.len());
-        assert_counts(&scan, &record);
-        let full = scan.record_regions(&config, live_labels(scan.columns));
-        prop_assert_eq!(record.edges(scan.columns), full.edges(scan.columns));
-        let classes = |record: &Record| record.pixels().into_iter().map(class).collect::<Vec<_>>();
-        prop_assert_eq!(classes(&record), classes(&full));
-        // no two segments, or none and one, can share a run
-        let unlabelled = record.pixels().iter().filter(|&&pixel| pixel == Pixel::Unlabelled).count() as u32;
-        let rows = scan.turn_rad.len();
-        prop_assert_eq!(record.finished, Some(Finished::Complete { rows, unlabelled }));
+        assert_consistent(&scan, &config, areas);
     }
 
     /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.

@@ -28,14 +28,14 @@ pub struct Calibration {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
-    /// The gear ratio is not a number above 0.
+    /// The gear ratio is none that a gear has: 0.001 to 1 000 000.
     Gear(f32),
 }
 
 impl core::fmt::Display for CalibrationError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self::Gear(gear) = self;
-        write!(f, "gear ratio must be above 0, is {gear}")
+        write!(f, "gear ratio must be from 0.001 to 1000000, is {gear}")
     }
 }
 
@@ -43,12 +43,12 @@ impl core::error::Error for CalibrationError {}
 
 impl Calibration {
     /// `zero_turn`: the encoder's position, in 2^-32 turns, where the tilt is at 0. `gear`: turns of the encoder for one turn
-    /// of the tilt, above 0; 1 for an encoder on the tilt axis.
+    /// of the tilt, 0.001 to 1 000 000; 1 for an encoder on the tilt axis.
     ///
     /// # Errors
     /// [`CalibrationError::Gear`].
     pub const fn new(zero_turn: u32, direction: Direction, gear: f32) -> Result<Self, CalibrationError> {
-        if !(gear > 0.0 && gear < f32::INFINITY) {
+        if !(gear >= 0.001 && gear <= 1e6) {
             return Err(CalibrationError::Gear(gear));
         }
         const ENCODER_TURN: f32 = 4_294_967_296.0;
@@ -185,7 +185,7 @@ mod tests {
             let off_rad = (off_rad - (off_rad + 0.5).floor()) * f64::from(2.0 * PI);
             assert!(off_rad.abs() < 1e-6, "{gear}: {off_rad}");
         }
-        for gear in [f32::MIN_POSITIVE, 1e-10, f32::MAX] {
+        for gear in [0.001, 1e6] {
             let mut tilt = Tilt::new(Fake(0), Calibration::new(0, Direction::Same, gear).unwrap());
             assert!((0..100u32).all(|at| read(&mut tilt, at.wrapping_mul(0x3333_3333)).is_finite()), "{gear}");
         }
@@ -195,6 +195,14 @@ mod tests {
     fn bad_gears() {
         for gear in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert!(Calibration::new(0, Direction::Same, gear).is_err());
+        }
+    }
+
+    /// One so small, or so large, that the turn angle would overflow, or be 0 times infinity.
+    #[test]
+    fn gears_that_leave_no_angle() {
+        for gear in [f32::MIN_POSITIVE, 1e-40, 1e-9, 1e9, f32::MAX] {
+            assert_eq!(Calibration::new(0, Direction::Same, gear), Err(CalibrationError::Gear(gear)));
         }
     }
 }

@@ -128,4 +128,12 @@ mod tests {
         assert_eq!(turn(i32::MIN, 1 << 31), 0);
         assert_eq!(turn(-1, 3 << 30), u32::MAX - 1);
     }
+
+    /// More than 2^31 counts a turn: they need all of 64 bits.
+    #[test]
+    fn counts_of_the_finest_encoder() {
+        assert_eq!(turn(-1, u32::MAX), u32::MAX - 1);
+        assert_eq!(turn(i32::MIN, u32::MAX), 0x7FFF_FFFF);
+        assert_eq!(turn(-1, 1 << 31), u32::MAX - 1);
+    }
 }

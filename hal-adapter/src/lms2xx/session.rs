@@ -12,6 +12,8 @@ const ACKNOWLEDGE_MS: u32 = 60;
 const PAUSE_MS: u32 = 25;
 /// Pause after a change of the scanner's own rate.
 const RATE_CHANGE_MS: u32 = 250;
+/// No deadline is farther away: one that seems to be has passed while nobody polled, and the clock has wrapped.
+const LONGEST_MS: u32 = 20_000;
 /// Tries of a command before the session starts over, and of each rate while searching.
 const TRIES: u8 = 3;
 const FIND_TRIES: u8 = 2;
@@ -430,12 +432,34 @@ fn answer_ms(step: Step) -> u32 {
 
 fn time_left(now_ms: u32, until_ms: u32) -> Option<u32> {
     let left = until_ms.wrapping_sub(now_ms);
-    (left != 0 && left < 1 << 31).then_some(left)
+    (left != 0 && left <= LONGEST_MS).then_some(left)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Who has not polled for weeks need not wait for weeks more, wherever the clock is by then.
+    #[test]
+    fn away_for_weeks() {
+        use crate::lms2xx::{MeasuringMode, Unit, Variant};
+        let settings = Settings {
+            baud: Baud::B9600,
+            variant: Variant::Deg100Step025,
+            unit: Unit::Centimetre,
+            mode: MeasuringMode::Range8Fields,
+            interlaced: false,
+        };
+        for away_ms in [1000, (1 << 31) - 1, 1 << 31, (1 << 31) + 100, u32::MAX - LONGEST_MS] {
+            let mut session = Session::new(settings);
+            assert!(matches!(session.poll(7), Action::SetBaud(_)));
+            assert!(matches!(session.poll(7), Action::Wait { ms: PAUSE_MS }));
+            assert!(matches!(session.poll(away_ms.wrapping_add(7 + PAUSE_MS)), Action::Send { .. }), "{away_ms}");
+        }
+        let configuration = Configuration::new(&[0; 32]).expect("a configuration");
+        let longest_ms = answer_ms(Step::WriteConfiguration(configuration)) + telegram_ms(Baud::B9600);
+        assert!(longest_ms <= LONGEST_MS && Session::new(settings).scan_timeout_ms() <= LONGEST_MS);
+    }
 
     #[test]
     fn size() {

@@ -1,0 +1,83 @@
+//! The plane segmenter against the reference, and what must hold of it always.
+
+use crate::art::{Picture, canonical};
+use crate::reference::labels::Class;
+use crate::reference::surfaces::surfaces;
+use crate::stream::{Event, Record, Scan, class};
+use scanseg_core::{Config, Finished, Pixel, Segment, live_labels};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Every label of the end is one segment, which has its pixels and its bounds, and edges are what has no area.
+pub fn assert_adds_up(scan: &Scan, config: &Config, record: &Record) {
+    let labels = record.labels();
+    let mut bounds = BTreeMap::<u32, (u32, [usize; 4])>::new();
+    for ((row, column), &label) in scan.size().pixels().zip(&labels).filter(|&(_, &label)| label != 0) {
+        let (count, [_, bottom, left, right]) = bounds.entry(label).or_insert((0, [row, row, column, column]));
+        *count += 1;
+        (*bottom, *left, *right) = (row, (*left).min(column), (*right).max(column));
+    }
+    let mut segments = record.segments();
+    for event in &record.events {
+        if let Event::Join(join) = event {
+            segments.remove(&join.from.0);
+        }
+    }
+    let of = |s: &Segment| (s.pixels(), [s.first_row, s.last_row, s.first_column, s.last_column].map(usize::from));
+    assert_eq!(segments.iter().map(|(&label, s)| (label, of(s))).collect::<BTreeMap<_, _>>(), bounds);
+    let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
+    let edges: Vec<_> = classes.iter().map(|&class| class == Class::Edge).collect();
+    assert_eq!(record.edges(scan.columns), edges);
+    let image = scan.image(config);
+    for (pixel, class) in scan.size().pixels().zip(classes) {
+        assert_eq!(class == Class::NoReturn, image.range(pixel).is_none(), "{pixel:?}");
+    }
+}
+
+/// Compares the labels where no decision of the reference is in doubt. Gives whether it did.
+pub fn assert_same(scan: &Scan, config: &Config) -> bool {
+    let columns = scan.columns;
+    let room = live_labels(columns);
+    let expected = surfaces(&scan.image(config), &scan.reference_beams(), config.range_noise_m.into(), room);
+    if expected.doubt.doubtful > 0 {
+        return false;
+    }
+    let record = scan.record_planes(config, room);
+    let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
+    let labels = canonical(&record.labels());
+    assert_eq!(
+        Picture::labels(columns, &classes, &labels),
+        Picture::labels(columns, &classes, &expected.labels),
+        "{scan:?} {config:?}"
+    );
+    assert_eq!(labels, expected.labels);
+    true
+}
+
+/// With a table that is too small: pixels without a label are counted, all of a line or none, and only where the row
+/// has as many areas, or joins of them, as the table has room; everything else still adds up.
+pub fn assert_consistent(scan: &Scan, config: &Config, areas: usize) {
+    let record = scan.record_planes(config, areas);
+    record.assert_order_of_planes(scan.turn_rad.len());
+    assert_adds_up(scan, config, &record);
+    let pixels = record.pixels();
+    let unlabelled = pixels.iter().filter(|&&pixel| pixel == Pixel::Unlabelled).count() as u32;
+    let rows = scan.turn_rad.len();
+    assert_eq!(record.finished, Some(Finished::Complete { rows, unlabelled }));
+    let mut above = BTreeSet::new();
+    let (mut row, mut joined) = (0, 0);
+    for event in &record.events {
+        match event {
+            Event::Join(_) => joined += 1,
+            Event::Row { pixels, .. } => {
+                let label = |pixel: &Pixel| if let Pixel::Segment(label) = pixel { Some(label.0) } else { None };
+                let here: BTreeSet<_> = pixels.iter().filter_map(label).collect();
+                // areas of the row above may not have been known to end yet
+                let most = here.union(&above).count() + joined;
+                let full = pixels.contains(&Pixel::Unlabelled);
+                assert!(!full || most >= areas, "row {row}: {most} of {areas} areas");
+                (above, row, joined) = (here, row + 1, 0);
+            }
+            _ => {}
+        }
+    }
+}
