@@ -8,4 +8,4 @@ mod wires;
 pub use as5048a::VirtualAs5048a;
 pub use chain::{Came, Chain, EncoderFault, Motion, scanner_on_tilt};
 pub use lms2xx::{Beam, Mishap, VirtualLms};
-pub use wires::{Faults, Wires};
+pub use wires::{BURST, Faults, Wires};

@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let motion: Motion = Rc::new(nod);
     let mut lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(SETTINGS.baud, SETTINGS.variant);
     for &(fault, one_in) in &arguments.faults {
-        let Faults { drop_one_in, flip_one_in, insert_one_in } = &mut lms.wires.faults;
+        let Faults { drop_one_in, flip_one_in, insert_one_in, .. } = &mut lms.wires.faults;
         *match fault {
             Fault::Loss => drop_one_in,
             Fault::Flip => flip_one_in,

@@ -100,6 +100,8 @@ pub struct VirtualLms {
     pub eeprom_writes: u32,
     /// Commands that arrived whole so far, by their code.
     pub commands: Vec<u8>,
+    /// Scans put on the line so far.
+    pub scans_sent: u32,
 }
 
 impl VirtualLms {
@@ -131,6 +133,7 @@ impl VirtualLms {
             permanent_baud: Baud::B9600,
             eeprom_writes: 0,
             commands: Vec::new(),
+            scans_sent: 0,
         }
     }
 
@@ -400,6 +403,7 @@ impl VirtualLms {
         let partial = if interlaced { 0x2000 | ((turn * 4 / turns) as u16) << 11 } else { 0 };
         payload[1..3].copy_from_slice(&(count | partial | unit).to_le_bytes());
         payload.push(0x10);
+        self.scans_sent += 1;
         self.put(now_us, &telegram(&payload));
     }
 
