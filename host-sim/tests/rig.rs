@@ -33,7 +33,7 @@ fn run_scans(bench: &mut Bench, scans: usize) {
 
 /// [`check_rows`], and the counters agree with what was seen.
 fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
-    check_rows(notes, within_rad);
+    assert_eq!(check_rows(notes, within_rad), 0);
     assert_eq!(counters.rows as usize, notes.0.borrow().iter().map(Vec::len).sum::<usize>());
     assert_eq!(counters.scans as usize, seen.started.len());
     assert_eq!(counters.dropped() as usize, seen.dropped.len());

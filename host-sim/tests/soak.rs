@@ -88,6 +88,8 @@ fn soak() {
         assert!(counters.telegrams - counters.rows - counters.dropped() <= 1, "{counters:?}");
     }
     println!("{over} scans: {:?}\nthe rig with a segmenter: {:?}", bench.counters(), rig.counters());
+    println!("{} damaged telegrams passed the check word", totals.false_rows);
+    assert!(totals.false_rows <= 2 + bench.counters().rejected / 20_000);
     let most_at_half = most_at_half.unwrap();
     println!("bytes that the simulation held at most: {most_at_half} in the first half, {most_bytes} in all");
     assert!(most_bytes <= most_at_half + 32 * 1024);
@@ -118,11 +120,12 @@ struct Totals {
     rows: u32,
     dropped: u32,
     troubles: u32,
+    false_rows: u32,
 }
 
 /// Checks what was noted since the last time, and forgets it. Returns how many scans are over since.
 fn check_and_forget(bench: &mut Bench, totals: &mut Totals) -> usize {
-    check_rows(&bench.notes, LIMIT_RAD);
+    totals.false_rows += check_rows(&bench.notes, LIMIT_RAD);
     let mut scans = bench.notes.0.borrow_mut();
     let over = scans.len().saturating_sub(1);
     totals.rows += scans.iter().map(|rows| rows.len() as u32).sum::<u32>();
