@@ -76,8 +76,8 @@ impl Sobel {
         let gaps = pack(&core::array::from_fn(|i| (above[i] | centre[i] | below[i]) & GAP != 0));
         let missing = pack(&centre.map(|eighth| eighth & GAP != 0));
         let last = [0, 1].map(|i| u32::from(self.last.iter().any(|row| row[i] & GAP != 0)));
-        let own = missing << 1 | u32::from(self.last[1][1] >> 15);
-        let mut near = (gaps | gaps << 1 | gaps << 2 | last[0] | last[1] * 3) & !own;
+        let own = (missing << 1) | u32::from(self.last[1][1] >> 15);
+        let mut near = (gaps | (gaps << 1) | (gaps << 2) | last[0] | (last[1] * 3)) & !own;
         edges &= !own;
         while near != 0 {
             let right = near.trailing_zeros() as usize;
@@ -92,7 +92,7 @@ impl Sobel {
                 column_sums(tap(0), tap(1), tap(2))
             };
             let edge = strength(sums(2), sums(1), sums(0)) >= self.roof;
-            edges = edges & !(1 << right) | u32::from(edge) << right;
+            edges = (edges & !(1 << right)) | (u32::from(edge) << right);
         }
         edges
     }
@@ -123,7 +123,7 @@ pub(crate) fn bearings(pairs: &Pairs, config: &Config, thresholds: &Thresholds, 
     let mut steps = [false; CHUNK];
     for i in 0..CHUNK {
         let Pixel { change_m, count, missing } = pairs.get(i, &config);
-        eighths[i] = (count.wrapping_add(7) >> 3) as u16 | (missing >> 16) as u16 & GAP;
+        eighths[i] = (count.wrapping_add(7) >> 3) as u16 | ((missing >> 16) as u16 & GAP);
         // in the highest bits, without a comparison: what is below 0 has it
         let above = count.wrapping_sub(first);
         let near = (above | (counts - 1).wrapping_sub(above)) as u32;

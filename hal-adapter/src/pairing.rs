@@ -186,12 +186,18 @@ impl Pairing {
         near.then_some((before, after))
     }
 
+    /// Rate over the last samples, radians a second; `None` if they do not tell.
+    pub(crate) fn rate_rad_per_s(&self) -> Option<f32> {
+        let (before, after) = self.about(self.kept().last()?.time_us)?;
+        Some(shorter_way(after.turn_rad - before.turn_rad) / (1e-6 * (after.time_us - before.time_us) as f32))
+    }
+
     fn kept(&self) -> &[Latch] {
         self.samples.get(..self.count).unwrap_or(&[])
     }
 
     /// A rate is taken over this time at least: three quarters of a telegram's, so that one sample per telegram serves.
-    fn spacing_us(&self) -> u64 {
+    pub(crate) fn spacing_us(&self) -> u64 {
         u64::from(self.period_us) * 3 / 4
     }
 }

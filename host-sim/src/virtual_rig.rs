@@ -10,4 +10,4 @@ pub use as5048a::VirtualAs5048a;
 pub use as5600::{NoAcknowledge, VirtualAs5600};
 pub use chain::{Came, Chain, EncoderFault, Motion, scanner_on_tilt};
 pub use lms2xx::{Beam, Mishap, VirtualLms};
-pub use wires::{Faults, Wires};
+pub use wires::{BURST, Faults, Wires};

@@ -533,7 +533,7 @@ fn bad_wires() {
         Faults { flip_one_in: 5_000, ..Faults::default() },
         Faults { drop_one_in: 5_000, ..Faults::default() },
         Faults { insert_one_in: 5_000, ..Faults::default() },
-        Faults { flip_one_in: 9_000, drop_one_in: 9_000, insert_one_in: 9_000 },
+        Faults { flip_one_in: 9_000, drop_one_in: 9_000, insert_one_in: 9_000, ..Faults::default() },
     ] {
         let mut bench = Bench::new(VirtualLms::new(ramp), Settings { baud: Baud::B500000, ..SETTINGS });
         bench.run_up();

@@ -37,7 +37,8 @@ pub struct Counters {
     /// Beginnings of telegrams that turned out to be damaged, or none. Not the number of telegrams lost: one that is
     /// damaged can contain several, and one whose start byte is lost contains none.
     pub rejected: u32,
-    /// Telegrams that must have been sent between two good ones, by the time between them.
+    /// Telegrams that must have been sent between two good ones, by the time between them. After a trouble from the first
+    /// good one on, or from the second if the scanner's answer that it starts was lost as well.
     pub lost: u32,
     /// Rows given to the segmenter.
     pub rows: u32,

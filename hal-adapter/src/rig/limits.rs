@@ -67,6 +67,11 @@ impl core::fmt::Display for RigError {
 impl core::error::Error for RigError {}
 
 impl TiltLimits {
+    /// The tilt can turn at this rate, one way or the other, within a sweep.
+    pub(super) fn plausible(&self, rate_rad_per_s: f32) -> bool {
+        (self.min_rate_rad_per_s..=self.max_rate_rad_per_s).contains(&rate_rad_per_s.abs())
+    }
+
     pub(super) fn check(&self, settings: &Settings) -> Result<(), RigError> {
         let Self { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us: got_us } = *self;
         let period_us = settings.period_us();

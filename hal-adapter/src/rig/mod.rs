@@ -14,7 +14,8 @@
 //! at a plausible rate ([`TiltLimits`]), and goes on where the rows before it were; a scan begins with two rows that agree.
 //! Every other telegram is dropped with its reason, [`Dropped`], and counted in [`Counters`]. What cannot be seen is an
 //! encoder that is wrong by so little that the rate stays within the limits: by at most the difference between the rate and
-//! a limit, times the time between two rows.
+//! a limit, times the time between two rows, if that is up to four telegrams; over a longer time, in which telegrams were
+//! lost, times that between two samples, since a scan goes on only if these did.
 //!
 //! All beams of a row get the turn angle of the row, its mean. What that leaves of the tilt's movement is in the table of
 //! [`pairing`](crate::pairing): on the floor there, at 0.5 rad/s, 5.6 mm if two mirror turns make a row, 1.1 mm if each is
@@ -82,6 +83,9 @@ use crate::pairing::{Latch, Pairing, RowTurn, Sweep, shorter_way};
 use counters::count;
 use segmenter::Counting;
 
+/// Telegrams between two rows, up to which the limits of the rate are enough to see a jump of the encoder.
+const NEAR: u32 = 4;
+
 /// Where the tilt was when a row was measured.
 #[derive(Debug, Clone, Copy)]
 struct Place {
@@ -126,8 +130,11 @@ pub struct Rig<'a, S> {
     /// A row that does not go on where the scan was. If the next one agrees with it, a new scan begins with it.
     held: Option<Place>,
     scan: Option<Progress>,
-    /// Start bytes: of the telegram under way, and of the last good one.
-    start_us: u64,
+    /// The last sample at which the tilt turned at a plausible rate, and when one did not go on where the one before was.
+    followed: Option<Place>,
+    jumped_us: u64,
+    /// Start bytes: of the telegram under way, if it was seen, and of the last good one.
+    start_us: Option<u64>,
     last_start_us: Option<u64>,
     counters: Counters,
 }
@@ -155,7 +162,9 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
             held_m,
             held: None,
             scan: None,
-            start_us: 0,
+            followed: None,
+            jumped_us: 0,
+            start_us: None,
             last_start_us: None,
             counters: Counters::default(),
         })
@@ -164,10 +173,19 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     /// The tilt was sampled, by the clock of the bytes; `None`: it could not be read. Sample it when bytes have come, and
     /// before they are given to [`Rig::receive`].
     pub fn tilt(&mut self, sample: Option<Latch>) {
-        match sample {
-            Some(latch) => self.pairing.sample(latch),
-            None => count(&mut self.counters.encoder_errors),
+        let Some(latch) = sample else { return count(&mut self.counters.encoder_errors) };
+        self.pairing.sample(latch);
+        let Some(rate) = self.pairing.rate_rad_per_s().filter(|&rate| self.limits.plausible(rate)) else { return };
+        let here = Place { turn_rad: latch.turn_rad, rising: rate > 0.0, start_us: latch.time_us };
+        if let Some(before) = &self.followed {
+            if latch.time_us.saturating_sub(before.start_us) < self.pairing.spacing_us() {
+                return;
+            }
+            if here.since(before, &self.limits).is_none() {
+                self.jumped_us = latch.time_us;
+            }
         }
+        self.followed = Some(here);
     }
 
     /// Bytes of the scanner, the last of which came at `now_us`, any origin.
@@ -184,7 +202,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     pub fn handle(&mut self, event: ScannerEvent, scan: Option<Scan<'_>>, sink: &mut impl RigSink) {
         match (event, scan) {
             (ScannerEvent::Start { time_us }, _) => {
-                self.start_us = time_us;
+                self.start_us = Some(time_us);
                 self.pairing.start(time_us);
             }
             (ScannerEvent::Scan, Some(scan)) => self.telegram(&scan, sink),
@@ -197,7 +215,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     /// Something is wrong with the scanner: ends the scan.
     pub fn trouble(&mut self, trouble: Trouble, sink: &mut impl RigSink) {
         count(&mut self.counters.troubles);
-        self.last_start_us = None;
+        (self.start_us, self.last_start_us) = (None, None);
         self.end(End::Trouble, sink);
         sink.trouble(trouble);
     }
@@ -229,7 +247,9 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
 
     fn telegram(&mut self, scan: &Scan<'_>, sink: &mut impl RigSink) {
         count(&mut self.counters.telegrams);
-        self.count_lost();
+        // The first scan after a trouble may come while the session still waits for an answer, and has no start then.
+        let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
+        self.count_lost(start_us);
         let turn = self.pairing.row(Sweep::of(scan, self.settings.variant));
         if scan.status().severity() >= Some(Severity::Error) || scan.status().implausible() {
             return self.drop_row(Dropped::Status, sink);
@@ -237,7 +257,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
         if usize::from(scan.columns()) != self.row_m.len() {
             return self.drop_row(Dropped::Columns, sink);
         }
-        match self.place(turn) {
+        match self.place(turn, start_us) {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
                 scan.ranges_m(self.settings.mode, self.row_m);
@@ -247,29 +267,37 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
     }
 
     /// Telegrams that must have come since the last good one, by the time.
-    fn count_lost(&mut self) {
+    fn count_lost(&mut self, start_us: u64) {
         let period_us = u64::from(self.settings.period_us()).max(1);
-        if let Some(last_us) = self.last_start_us.replace(self.start_us) {
-            let periods = (self.start_us.saturating_sub(last_us) + period_us / 2) / period_us;
+        if let Some(last_us) = self.last_start_us.replace(start_us) {
+            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
             self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
         }
     }
 
-    fn place(&self, turn: Option<RowTurn>) -> Result<Place, Dropped> {
+    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Place, Dropped> {
         let turn = turn.ok_or(Dropped::NoTurn)?;
         let rate_rad_per_s = turn.rate_rad_per_s();
-        match rate_rad_per_s.abs() {
-            rate if rate < self.limits.min_rate_rad_per_s => Err(Dropped::Standing),
-            rate if rate <= self.limits.max_rate_rad_per_s => {
-                Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us: self.start_us })
-            }
-            _ => Err(Dropped::Jump),
+        if self.limits.plausible(rate_rad_per_s) {
+            Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us })
+        } else if rate_rad_per_s.abs() < self.limits.min_rate_rad_per_s {
+            Err(Dropped::Standing)
+        } else {
+            Err(Dropped::Jump)
         }
+    }
+
+    /// How far the tilt has turned from one row to another, radians; `None` if it is not sure that these are of one sweep.
+    /// Over a long time the limits of the rate leave room for a jump, so there the samples must have shown none.
+    fn goes_on(&self, before: &Place, place: &Place) -> Option<f32> {
+        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.settings.period_us());
+        let sure = near || self.jumped_us < before.start_us;
+        place.since(before, &self.limits).filter(|_| sure)
     }
 
     /// A row with a plausible turn angle: the next of the scan, the second of a new scan, or one to be held.
     fn row(&mut self, place: Place, sink: &mut impl RigSink) {
-        if let Some(moved_rad) = self.scan.and_then(|scan| place.since(&scan.last, &self.limits)) {
+        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
             if covered_rad + moved_rad > self.limits.sweep_rad {
@@ -279,9 +307,7 @@ impl<'a, S: RowSegmenter> Rig<'a, S> {
             } else {
                 self.push(place, moved_rad, sink);
             }
-        } else if let Some((held, moved_rad)) =
-            self.held.and_then(|held| Some((held, place.since(&held, &self.limits)?)))
-        {
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
             self.held = None;
             self.end(End::Turned, sink);
             self.begin(held, sink);

@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let motion: Motion = Rc::new(nod);
     let mut lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(SETTINGS.baud, SETTINGS.variant);
     let (mut resets_us, mut stuck_us) = (vec![], vec![]);
-    let Faults { drop_one_in, flip_one_in, insert_one_in } = &mut lms.wires.faults;
+    let Faults { drop_one_in, flip_one_in, insert_one_in, .. } = &mut lms.wires.faults;
     for fault in &arguments.faults {
         match *fault {
             Fault::Loss(one_in) => *drop_one_in = one_in,

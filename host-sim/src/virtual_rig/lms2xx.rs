@@ -107,6 +107,8 @@ pub struct VirtualLms {
     pub eeprom_writes: u32,
     /// Commands that arrived whole so far, by their code.
     pub commands: Vec<u8>,
+    /// Scans put on the line so far.
+    pub scans_sent: u32,
 }
 
 impl VirtualLms {
@@ -138,6 +140,7 @@ impl VirtualLms {
             permanent_baud: Baud::B9600,
             eeprom_writes: 0,
             commands: Vec::new(),
+            scans_sent: 0,
         }
     }
 
@@ -424,6 +427,7 @@ impl VirtualLms {
         let partial = if interlaced { 0x2000 | ((turn * 4 / turns) as u16) << 11 } else { 0 };
         payload[head - 2..head].copy_from_slice(&(count | partial | unit).to_le_bytes());
         payload.push(0x10);
+        self.scans_sent += 1;
         if self.mode == Mode::Once {
             self.mode = Mode::Idle;
         }

@@ -11,19 +11,25 @@ pub struct Faults {
     pub flip_one_in: u32,
     /// Bytes that are followed by another, invented one.
     pub insert_one_in: u32,
+    /// Bytes with which a burst of [`BURST`] invented ones begins.
+    pub burst_one_in: u32,
 }
+
+/// Bytes that are replaced in a burst.
+pub const BURST: u32 = 60;
 
 /// Wires with faults. Chance is the same in every run.
 #[derive(Debug, Clone)]
 pub struct Wires {
     /// Damage from now on.
     pub faults: Faults,
+    burst_left: u32,
     random: u64,
 }
 
 impl Default for Wires {
     fn default() -> Self {
-        Self { faults: Faults::default(), random: 0x9E37_79B9_7F4A_7C15 }
+        Self { faults: Faults::default(), burst_left: 0, random: 0x9E37_79B9_7F4A_7C15 }
     }
 }
 
@@ -34,7 +40,12 @@ impl Wires {
         let mut strikes = |one_in: u32| one_in > 0 && self.next_random().is_multiple_of(u64::from(one_in));
         let (dropped, flipped, inserted) =
             (strikes(faults.drop_one_in), strikes(faults.flip_one_in), strikes(faults.insert_one_in));
+        if strikes(faults.burst_one_in) {
+            self.burst_left = BURST;
+        }
         let random = self.next_random();
+        let byte = if self.burst_left > 0 { (random >> 16) as u8 } else { byte };
+        self.burst_left = self.burst_left.saturating_sub(1);
         let byte = if flipped { byte ^ 1 << (random % 8) } else { byte };
         let kept = (!dropped).then_some(byte);
         kept.into_iter().chain(inserted.then_some((random >> 8) as u8))
