@@ -146,12 +146,3 @@ for name in plane edge region; do
     echo "labels of the C example and of the command, $name: $same"
     approach=$((approach + 1))
 done
-
-# The tests of misuse under Miri, as on a 32-bit processor.
-if cargo +nightly miri --version >/dev/null 2>&1; then
-    (cd "$root" && MIRIFLAGS="-Zmiri-strict-provenance -Zmiri-symbolic-alignment-check" quiet cargo +nightly miri test \
-        --quiet -p scanseg-capi --target armv7-unknown-linux-gnueabihf --target-dir "$out/miri")
-    echo "Miri: nothing undefined"
-else
-    echo "skipped: Miri is not here"
-fi

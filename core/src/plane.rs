@@ -337,8 +337,9 @@ mod tests {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
+        let patches = if cfg!(miri) { 3 } else { 2000 };
         let mut strips = 0;
-        for _ in 0..2000 {
+        for _ in 0..patches {
             let mut axes = [[0.0; 3]; 3];
             axes[0] = [uniform(), uniform(), uniform()];
             axes[1] = [uniform(), uniform(), uniform()];
@@ -377,7 +378,7 @@ mod tests {
             }
             assert!(quick.distance_m(&quick.centroid_m) == 0.0);
         }
-        assert!(strips > 20, "{strips} that f32 has some trouble with");
+        assert!(strips > 20 || cfg!(miri), "{strips} that f32 has some trouble with");
     }
 
     #[test]

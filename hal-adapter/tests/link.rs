@@ -242,6 +242,7 @@ fn longest_frames_fit() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn lost_frames_are_counted_across_the_wrap() {
     let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
     let join = Message::Join { from: 2, into: 1 };

@@ -120,6 +120,7 @@ fn rows() {
 /// The tilt is sampled at each start byte, and every so often besides: on a tilt that turns evenly the angle is always the
 /// true one. Also if the telegram is only found later, when the search goes back.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn sampled_at_any_pace() {
     let sweep = sweep(&[0xB0], 361, Variant::Deg180Step05);
     for every_us in [1_000, 7_300, 13_000, 26_667] {

@@ -207,6 +207,7 @@ fn recorded_scan_against_other_formats() {
 
 /// Errors that the check word cannot see, all of them: of a scan that passes none but the values can have suffered.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn blind_spots_of_the_check_word() {
     let Some((bytes, expected)) = recorded_scan() else { return };
     let mut passed = 0;
@@ -307,6 +308,7 @@ fn contradictions_are_rejected() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn special_values_are_kept_apart() {
     use MeasuringMode::*;
     for (mode, max) in [

@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn every_answer() {
-        for word in 0..=u16::MAX {
+        for word in (0..=u16::MAX).step_by(if cfg!(miri) { 251 } else { 1 }) {
             let odd = (0..16).filter(|bit| word >> bit & 1 == 1).count() % 2 == 1;
             let expected = match (odd, word & 0x4000 != 0) {
                 (true, _) => Err(FrameError::Parity(word)),

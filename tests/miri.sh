@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# The unit tests of the core and the drivers, and the library for C, under Miri, at reduced sizes: nothing undefined, nothing
+# misaligned, no overflow. On a 32-bit processor, and on a 64-bit one whose bytes lie the other way round; not on x86, where
+# libm has assembly that Miri cannot run.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+if ! cargo +nightly miri --version >/dev/null 2>&1 &&
+    ! rustup toolchain install nightly --profile minimal --component miri --component rust-src >/dev/null 2>&1; then
+    echo "skipped: Miri could not be installed"
+    exit 0
+fi
+export MIRIFLAGS="-Zmiri-strict-provenance -Zmiri-symbolic-alignment-check"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+miri() { # target, then what to test
+    cargo +nightly miri test --quiet --target-dir target/miri --target "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
+    echo "$*: $(awk '/^test result/ { passed += $4; ignored += $8 } END { print passed " tests, " ignored " left out" }' "$log")"
+}
+miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --lib
+miri s390x-unknown-linux-gnu -p scanseg-hal --test pairing
+miri armv7-unknown-linux-gnueabihf -p scanseg-capi
