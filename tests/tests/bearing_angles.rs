@@ -1,13 +1,10 @@
 //! Bearing angles: how far f32 is from f64.
 
 use scanseg_core::{BeamAngle, Config, MAX_ERROR_RAD, Trace, TurnAxis, bearing_angle_rad};
-use scanseg_tests::reference::beams::angle_between;
-use scanseg_tests::reference::bearing::{bearing_angle, bearing_counts};
+use scanseg_tests::checks::bearings::{self, MICROMATH, NEAR_RAD};
+use scanseg_tests::reference::bearing::bearing_angle;
 use scanseg_tests::scenes::uniform;
-use scanseg_tests::stream::{Angles, Rig, Scan, reference_trace};
-use std::f64::consts::PI;
-
-const MICROMATH: bool = cfg!(feature = "micromath");
+use scanseg_tests::stream::{Angles, Rig, Scan};
 
 /// Largest and root mean square error.
 #[derive(Default)]
@@ -114,11 +111,6 @@ fn rigs(columns: usize) -> Vec<Rig> {
 }
 
 /// The whole chain from ranges and row angles to counts agrees with the reference: beams of every kind, every trace.
-///
-/// Two beams may be an error of f32 nearer or farther apart than they should. Near the axis of a nodding scanner two
-/// rows `turn` apart have Phi = turn cos p; cos p comes from the addition theorem in f32 and errs by 1e-7, a
-/// rounding or two of numbers up to 1, which relative to Phi is 1e-7 turn / Phi. The bearing angle moves by half of that at
-/// most: d BA = sin BA cos BA d(sin Phi) / sin Phi. At 0.05 deg and more that is less than half a count.
 #[test]
 fn whole_chain() {
     let columns = 181;
@@ -150,32 +142,11 @@ fn whole_chain() {
                 *range_m = f32::NAN;
             }
         }
-        let beams = scan.reference_beams();
-        let size = scan.size();
         for trace in traces {
-            let found = scan.counts(&config, trace);
-            let expected = bearing_counts(&scan.image(&config), &beams, reference_trace(trace));
-            for (pixel, (found, expected)) in size.pixels().zip(found.into_iter().zip(expected)) {
-                let previous = reference_trace(trace).previous(size, pixel);
-                let phi = previous.map(|at| angle_between(beams.direction(pixel), beams.direction(at)));
-                let Some(phi) = phi else {
-                    assert_eq!((found, expected), (0, 0), "rig {number}, {trace:?}, {pixel:?}");
-                    continue;
-                };
-                if (phi / 1e-5 - 1.0).abs() < 0.1 {
-                    continue;
-                }
-                assert_eq!(found == 0, expected == 0, "rig {number}, {trace:?}, {pixel:?}, {phi} rad apart");
+            bearings::assert_same(&scan, &config, trace, |phi, found, off| {
                 none += u32::from(found == 0);
-                let off = f64::from(found) - f64::from(expected);
                 errors[usize::from(phi < NEAR_RAD)].add(off);
-                let turn = scan.turn_rad[pixel.0] - scan.turn_rad[pixel.0 - usize::from(trace.rows)];
-                let allowed = allowed(phi, turn.abs().into());
-                assert!(
-                    off.abs() <= allowed,
-                    "rig {number}, {trace:?}, {pixel:?}, {phi} rad apart: {found} {expected}"
-                );
-            }
+            });
         }
     }
     for (name, errors) in ["0.05 deg apart and more", "nearer"].iter().zip(&errors) {
@@ -184,16 +155,3 @@ fn whole_chain() {
     }
     assert!(none > 1000);
 }
-
-/// Largest error in counts for beams `phi` rad apart, of rows `turn` rad apart.
-fn allowed(phi: f64, turn: f64) -> f64 {
-    if MICROMATH {
-        // both are rounded to counts
-        return (f64::from(MAX_ERROR_RAD) * 65535.0 / PI).ceil() + 1.0;
-    }
-    let near = if phi < NEAR_RAD { 0.5 * 1e-7 * turn / phi } else { 0.0 };
-    1.0 + (near * 65535.0 / PI).ceil()
-}
-
-/// Beams nearer than this, 0.05 deg, may be off by more than one count.
-const NEAR_RAD: f64 = 8.7e-4;
