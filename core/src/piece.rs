@@ -25,7 +25,7 @@ pub(crate) struct Line {
     pub squares: f32,
 }
 
-/// A last cut: a line that may begin here, with its sums.
+/// A last cut: a line that may begin here, with the least squares of its pixels so far.
 #[derive(Clone, Copy, Default)]
 struct Cut {
     column: usize,
@@ -36,8 +36,10 @@ struct Cut {
     y: f32,
     inverse: f32,
     pixels: u32,
-    /// Sums of a a, a b, b b, a e, b e, e e: the range error of a pixel is e - (A a + B b).
-    sums: [f32; 6],
+    /// The range error of a pixel is e - (A a + B b). Its squares d (A + r B - y)^2 + D (B - Y)^2 + squares, as d, r, y, D, Y.
+    solved: [f32; 5],
+    /// Those that the best A and B leave, m^2.
+    squares_m2: f32,
 }
 
 impl Cut {
@@ -46,25 +48,29 @@ impl Cut {
         Cut { column, cost, x, y, inverse, ..Cut::default() }
     }
 
-    /// One more pixel of the line. What is solved for is the difference from a circle about the scanner: small numbers.
+    /// One more pixel of the line. What is solved for is the difference from a circle about the scanner: small numbers, but
+    /// for lines across a step, where sums of products would lose all their digits. So the triangle of the solution is kept
+    /// instead, and turned by each pixel (Gentleman 1973, Givens rotations without square roots).
     fn add(&mut self, [x, y]: [f32; 2], range_m: f32) {
         let along = (self.x * x + self.y * y) * self.inverse;
         let across = (self.x * y - self.y * x) * self.inverse;
         let (a, b, e) = (range_m * along, range_m * across, range_m * (1.0 - along * self.inverse));
         self.pixels += 1;
-        for (sum, more) in self.sums.iter_mut().zip([a * a, a * b, b * b, a * e, b * e, e * e]) {
-            *sum += more;
+        let [d, r, y, below, below_y] = &mut self.solved;
+        let (b, e) = (b - a * *r, e - a * *y);
+        let before = *d;
+        *d += a * a;
+        let share = a / *d;
+        let weight = before / *d;
+        (*r, *y) = (*r + share * b, *y + share * e);
+        let e = e - b * *below_y;
+        let before = *below;
+        *below += weight * b * b;
+        if *below > 0.0 {
+            let per = weight / *below;
+            *below_y += per * b * e;
+            self.squares_m2 += per * before * e * e;
         }
-    }
-
-    /// Squared range errors of the line, m^2.
-    fn squares_m2(&self) -> f32 {
-        let [aa, ab, bb, ae, be, ee] = self.sums;
-        let det = aa * bb - ab * ab;
-        if self.pixels < 3 || det <= 0.0 {
-            return 0.0;
-        }
-        (ee - (ae * ae * bb - 2.0 * ae * be * ab + be * be * aa) / det).max(0.0)
     }
 }
 
@@ -95,7 +101,7 @@ pub(crate) fn lines<B>(
         let (mut best, mut worst) = (0, 0);
         for i in 0..kept {
             cuts[i].add(at, range_m);
-            let price = if cuts[i].pixels == 1 { LONE } else { LINE + cuts[i].squares_m2() * per_noise };
+            let price = if cuts[i].pixels == 1 { LONE } else { LINE + cuts[i].squares_m2 * per_noise };
             costs[i] = cuts[i].cost + price;
             if costs[i] < costs[best] {
                 best = i;
@@ -126,7 +132,7 @@ pub(crate) fn lines<B>(
                 let at = point(column);
                 line.add(at, libm::sqrtf(at[0] * at[0] + at[1] * at[1]));
             }
-            found(Line { columns: begin..end, squares: line.squares_m2() * per_noise })?;
+            found(Line { columns: begin..end, squares: line.squares_m2 * per_noise })?;
         }
         end = begin;
     }

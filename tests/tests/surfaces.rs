@@ -9,7 +9,7 @@ use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_tests::checks::planes::{assert_adds_up, assert_consistent, assert_same};
 use scanseg_tests::reference::planes::fit_plane;
 use scanseg_tests::reference::surfaces::surfaces;
-use scanseg_tests::scenes::{scan_of, uniform};
+use scanseg_tests::scenes::{scan_of, scanner, uniform};
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter};
 use std::collections::BTreeMap;
 
@@ -163,6 +163,32 @@ fn same_as_the_reference() {
     }
     println!("{compared} compared, {skipped} in doubt, {joins} joins, {resumed} resumed, {largest} of 100 pixels");
     assert!(8 * compared > skipped + compared && joins > 100 && resumed > 50 && largest > 100);
+}
+
+/// A long line that ends at a grazing angle beside one of three pixels: where one ends and the other begins depends on digits
+/// that single precision has only if it does not subtract sums of products.
+#[test]
+fn digits_of_a_grazing_line() {
+    let config = Config { range_noise_m: 0.3, min_range_m: 1.0, ..Config::paper() };
+    assert_same(&scan_of(4, 69, 0, 0, 0), &config);
+}
+
+/// A wall, and one behind it that is up to 16 times as far: no line is of both.
+#[test]
+fn lines_end_at_large_steps() {
+    for (case, noise_m) in (0..200).flat_map(|case| [(case, 0.0), (case, 0.01)]) {
+        let near = [2, 3, 6, 12][case % 4];
+        let far = [2.0, 4.0, 8.0, 16.0][case / 4 % 4];
+        let mut scan = scanner(1, 40, 0.0, |direction| 1.0 / direction[0]);
+        for (column, range_m) in scan.range_m.iter_mut().enumerate() {
+            let angle = (column as f32 - 19.5).to_radians();
+            *range_m = if column < near { 1.0 / angle.cos() } else { far / (angle - 0.1).cos() };
+            *range_m += noise_m * 12f32.sqrt() * (uniform(case as u64, 0, column) as f32 - 0.5);
+        }
+        let config = Config { range_noise_m: noise_m, ..Config::paper() };
+        let labels = scan.record_planes(&config, live_labels(40)).labels();
+        assert_ne!(labels[near - 1], labels[near], "{far} m behind {near} pixels, noise {noise_m} m: {labels:?}");
+    }
 }
 
 /// The share of pixels that two labelings of an image agree on, each label of one going with the label of the other that it

@@ -44,9 +44,10 @@ pub fn pieces(start: usize, places: &[Vector2<f64>], noise_m2: f64, doubt: &mut 
             let square = place.norm_squared();
             sums = (sums.0 + 1, sums.1 + place * place.transpose() * square, sums.2 + place * square, sums.3 + square);
             let own = if end - begin == 1 { LONE } else { LINE + squares_m2(&sums) / noise_m2 };
-            // the core has the sums in f32, of the errors against a circle through the first pixel
-            let off = |p: &Vector2<f64>| p.norm_squared() * (1.0 - p.dot(&place) / square).powi(2);
-            let margin = 0.01 + 1e-6 * places[begin..end].iter().map(off).sum::<f64>() / noise_m2;
+            // the core solves in f32 for errors against a circle through the first pixel
+            let off = |p: &Vector2<f64>| p.norm() * (1.0 - p.dot(&place) / square).abs();
+            let digits_m = 1e-6 * places[begin..end].iter().map(off).fold(0.0, f64::max) * (sums.0 as f64).sqrt();
+            let margin = 0.01 + (2.0 * squares_m2(&sums).sqrt() + digits_m) * digits_m / noise_m2;
             prices.push(Price { price: least[begin].0 + own, begin, margin });
         }
         let best = prices.iter().min_by(|a, b| a.price.total_cmp(&b.price)).unwrap();
