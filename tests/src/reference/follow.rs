@@ -19,8 +19,8 @@ const MOST: f64 = 9.0;
 /// Standard deviation of a turn; twice as much is believed.
 const EXPECTED_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// What a turn must explain, in all and per pixel, and the most that one pixel counts.
-const GAIN: f64 = 15.0;
-const GAIN_PER_PIXEL: f64 = 1.0;
+const GAIN: f64 = 8.0;
+const GAIN_PER_PIXEL: f64 = 0.5;
 const TURN_OFF: f64 = 9.0;
 
 /// A row of the image.
