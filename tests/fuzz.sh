@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Runs every fuzz target for some seconds (20), one on each processor, from the committed seeds on: `tests/fuzz.sh [SECONDS]`.
+# A find fails, and is left in fuzz/artifacts. What is new goes to fuzz/corpus, from which the next run starts as well: see
+# fuzz/README.md.
+set -euo pipefail
+cd "$(dirname "$0")/../fuzz"
+seconds=${1:-20}
+
+skip() { echo "skipped: $*"; exit 0; }
+# Instrumented builds want a nightly compiler.
+cargo +nightly --version >/dev/null 2>&1 || rustup toolchain install nightly --profile minimal >/dev/null 2>&1 ||
+    skip "fuzzing: no nightly Rust, and it could not be installed"
+cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked >/dev/null 2>&1 ||
+    skip "fuzzing: no cargo-fuzz, and it could not be installed"
+
+cargo fmt --check
+cargo +nightly fuzz build
+
+run() { # target
+    local target=$1 log executions edges features a_second
+    mkdir -p "corpus/$target"
+    log=$(mktemp)
+    # What files claim must not make their readers take much more memory than they are long.
+    if cargo +nightly fuzz run "$target" "corpus/$target" "seeds/$target" -- -max_total_time="$seconds" -max_len=2048 \
+        -len_control=10 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 >"$log" 2>&1; then
+        # #94808 DONE   cov: 3875 ft: 19321 corp: 1280/36Kb lim: 43 exec/s: 5925 rss: 456Mb
+        read -r executions edges features a_second < <(sed -n \
+            's/^#\([0-9]*\)\tDONE *cov: \([0-9]*\) ft: \([0-9]*\) .*exec\/s: \([0-9]*\) .*/\1 \2 \3 \4/p' "$log")
+        printf '%-12s %12s %9s %9s %9s\n' "$target" "$executions" "$a_second" "$edges" "$features"
+        rm "$log"
+    else
+        echo "$target: a find"
+        grep -a -A 12 -E 'panicked at|ERROR: |SUMMARY' "$log" | cut -c 1-400 || tail -n 40 "$log"
+        grep -a 'Test unit written' "$log" || true
+        return 1
+    fi
+}
+
+printf '\n%-12s %12s %9s %9s %9s\n' target executions a_second edges features
+found=0 running=0
+for target in $(cargo fuzz list); do
+    if [ $running = "$(nproc)" ]; then
+        wait -n || found=1
+        running=$((running - 1))
+    fi
+    run "$target" &
+    running=$((running + 1))
+done
+while [ $running -gt 0 ]; do
+    wait -n || found=1
+    running=$((running - 1))
+done
+exit $found
