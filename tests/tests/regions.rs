@@ -133,6 +133,22 @@ fn most_scans_are_compared() {
     assert!(3 * compared > skipped + compared && joins > 100 && segments > 1000 && largest > 50);
 }
 
+/// A surface that is hardly bent, and an angle of lines that single precision cannot tell from 0: the reference must doubt its
+/// turns.
+#[test]
+fn an_angle_below_all_digits() {
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: 1.2, step_rad: 0.05 }, axis: TurnAxis::Y };
+    #[rustfmt::skip]
+    let range_m = vec![
+        1.0657865, 1.1767924, 1.3172379, 1.49994, 1.7464583, 2.096069, 2.628661, 3.5355043, 5.4171734, 11.637765,
+        1.0655437, 1.1765349, 1.3169641, 1.4996496, 1.7461529, 2.0957572, 2.6283734, 3.5353513, 5.4176774, 11.64407,
+        1.0653058, 1.1762826, 1.3166962, 1.4993653, 1.7458538, 2.0954518, 2.6280913, 3.5352015, 5.4181714, 11.650255,
+    ];
+    let scan = Scan { columns: 10, range_m, turn_rad: vec![0.0, 0.0024543693, 0.0049087387], rig };
+    let config = Config { range_noise_m: 0.0, line_angle_rad: 1e-29, plane_distance_m: 0.05, ..Config::paper() };
+    assert_same(&scan, &config);
+}
+
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live labels. Each row is a zigzag
 /// whose corners are at every second pixel, and no two lines are in one plane.
 #[test]

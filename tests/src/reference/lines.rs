@@ -74,9 +74,10 @@ fn turn(points: [Vector3<f64>; 3], settings: &Settings, doubt: &mut Doubt) -> Tu
     let [before, here, after] = points;
     let (a, b, span) = (here - before, after - here, after - before);
     let farthest_m = points.iter().map(|point| point.norm()).fold(0.0, f64::max);
-    // f32 has its points to within 1e-6 of their range
-    let error_rad = 3e-6 * farthest_m / a.norm().min(b.norm()) + 1e-6;
     let angle_rad = angle_between(a, b);
+    // f32 has its points to within 1e-6 of their range, and the square of a cosine to within 1e-7
+    let square = 2e-7 / angle_rad.max(settings.line_angle_rad);
+    let error_rad = 3e-6 * farthest_m / a.norm().min(b.norm()) + 1e-6 + square;
     let across_m = (span - here * (span.dot(&here) / here.norm_squared())).norm();
     // the distance from the chord and its standard deviation, both times the length of the chord
     let (off, sigma) = (a.cross(&b).norm(), 1.5f64.sqrt() * settings.range_noise_m * across_m);
