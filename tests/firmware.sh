@@ -5,6 +5,8 @@
 # Takes the targets from rustup; where that has none, Debian's rustc-web and rust-web-src.
 set -euo pipefail
 cd "$(dirname "$0")/../hal-adapter/firmware"
+# what the simulator needs is built already, for the other tests
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../../target}
 install() { # Debian packages, where there is apt-get and the right to use it
     command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] && { apt-get update && apt-get install -y "$@"; } >/dev/null 2>&1
 }
@@ -27,12 +29,11 @@ else
 fi
 cargo test --quiet --release -p m0-float
 
-target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 images=$(mktemp -d)
 trap 'rm -rf "$images"' EXIT
 image() { # name target features file
     "${build[@]}" --quiet --release --bin "$1" --target "$2" --features "$3"
-    cp "$target/$2/release/$1" "$images/$4"
+    cp "$CARGO_TARGET_DIR/$2/release/$1" "$images/$4"
 }
 for features in defmt figures region,figures plane,figures region plane ""; do
     suffix=${features:+-${features/,/-}}
