@@ -91,11 +91,7 @@ impl Sobel {
         };
         // with vectors, all columns cost as much as three
         if cfg!(any(target_feature = "sse2", target_feature = "neon")) {
-            let mut edges = [false; CHUNK];
-            for i in 0..CHUNK {
-                edges[i] = edge(i);
-            }
-            return pack(&edges);
+            return pack(&core::array::from_fn(edge));
         }
         // bit i is column i of the chunk; a kernel's bit is that of its right column
         let gaps = pack(&core::array::from_fn(|i| (above[i] | centre[i] | below[i]) & GAP != 0));
