@@ -19,8 +19,8 @@ enum Operation {
     /// A row at this angle, if it is one.
     Turn(f32),
     Finish,
-    /// As `finish`.
-    Finish2,
+    /// The same: without it most lists would not end a scan.
+    FinishToo,
     Reset,
     /// The sink breaks off at the event after so many.
     Break(u8),
@@ -123,7 +123,7 @@ fn run(
             Operation::PushAll => (0..scan.turn_rad.len()).for_each(|row| push(scan.row_m(row), scan.turn_rad[row])),
             Operation::Length(length) => push(&vec![2.0; length.into()], 0.0),
             Operation::Turn(turn_rad) => push(&vec![2.0; columns], turn_rad),
-            Operation::Finish | Operation::Finish2 => {
+            Operation::Finish | Operation::FinishToo => {
                 let finished = segmenter.end(&mut record);
                 let whole = pushed.record_by(approach, &config, areas);
                 if finished == Finished::Stopped {

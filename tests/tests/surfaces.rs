@@ -141,7 +141,7 @@ fn scans_hold_all_cases() {
 }
 
 /// In scans of all kinds one wrong decision in a row of noise changes all that follows, and most scans hold one that rounding
-/// could turn. One of six is compared, to the pixel, and these have joins and surfaces of all sizes.
+/// could turn. One of five is compared, to the pixel, and these have joins and surfaces of all sizes.
 #[test]
 fn same_as_the_reference() {
     let (mut compared, mut skipped, mut joins, mut resumed, mut largest) = (0, 0, 0, 0, 0);
@@ -171,6 +171,27 @@ fn same_as_the_reference() {
 fn digits_of_a_grazing_line() {
     let config = Config { range_noise_m: 0.3, min_range_m: 1.0, ..Config::paper() };
     assert_same(&scan_of(4, 69, 0, 0, 0), &config);
+}
+
+/// Planes of two pixels a row, 40 deg apart, that meet at a pixel three times as far: which one it follows depends on to which
+/// side each point was rounded, and the reference must doubt it.
+#[test]
+fn planes_of_few_points_from_afar() {
+    let rig = Rig::Spinning { angles: Angles::Even { start_rad: -1.2, step_rad: -0.69813174 }, wraps: true };
+    let turn_rad = vec![9.0, 8.978401, 8.959982, 8.940265, 8.925843, 8.9120865, 8.893015, 8.873953];
+    #[rustfmt::skip]
+    let range_m = vec![
+        1.8086953, 1.8194671, 0.93870574, 0.6448933, 0.77083963, 2.3597543, 10.701276, 3.7570112, 3.3062174,
+        1.8372153, 1.8482187, 0.949644, 0.65209484, 0.779608, 2.3928082, 10.982864, 3.81613, 3.355997,
+        1.8629535, 1.874166, 0.9595329, 0.6586097, 0.787538, 2.4226408, 11.239219, 3.869482, 3.4009192,
+        1.8920388, 1.9034879, 0.9707184, 0.66598254, 0.79651016, 2.4563468, 11.531684, 3.9297717, 3.451675,
+        1.9143713, 1.9260024, 0.97930956, 0.67164737, 0.8034027, 2.482218, 11.758379, 3.976063, 3.4906383,
+        1.936551, 1.9483631, 0.98784083, 0.67727405, 0.8102481, 2.507901, 11.985459, 4.022037, 3.5293257,
+        1.968789, 1.9808648, 1.0002335, 0.6854491, 0.8201929, 2.5452054, 12.319129, 4.088859, 3.585539,
+        2.002842, 2.015197, 1.0133076, 0.69407505, 0.83068526, 2.5845704, 12.676468, 4.1594415, 3.6448889,
+    ];
+    let config = Config { min_range_m: 1.0, ..Config::paper() };
+    assert_same(&Scan { columns: 9, range_m, turn_rad, rig }, &config);
 }
 
 /// A row that is turned further than was reported, by more and more, in front of a wall and a slope on which alone it shows:

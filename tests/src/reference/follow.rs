@@ -1,7 +1,7 @@
 //! Which pixels of a row go on with the planes of the row above, and what the row's turn is beyond what was reported.
 
 use super::lines::Doubt;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Squared error, in units of the noise, from which on a pixel lies on no plane.
 const OFF: f64 = 10.0;
@@ -48,11 +48,12 @@ impl Row {
 }
 
 /// For each column what it goes on with, by the number of an area. `above` are the areas of the row above, `plane` the planes
-/// of those that have one. `turn_rad2` is the variance of the turn that is left.
+/// of those that have one, and how far it moves at a point p if one of its points is rounded to the other side: at most by
+/// the root of p A p, as p . m. `turn_rad2` is the variance of the turn that is left.
 pub fn follow(
     row: &Row,
     above: &[Option<usize>],
-    plane: impl Fn(usize) -> Option<Vector3<f64>>,
+    plane: impl Fn(usize) -> Option<(Vector3<f64>, Matrix3<f64>)>,
     (turn_rad, turn_rad2): (f64, f64),
     doubt: &mut Doubt,
 ) -> Vec<Option<usize>> {
@@ -61,26 +62,30 @@ pub fn follow(
     for column in 0..columns {
         let Some(range_m) = row.ranges_m[column] else { continue };
         let beside = [column.checked_sub(1).or(row.wraps.then_some(columns - 1)), Some(column), Some(column + 1)];
-        let mut tried: Vec<(f64, usize)> = Vec::new();
+        // squared error, area, and by how much the square may be off
+        let mut tried: Vec<(f64, usize, f64)> = Vec::new();
         for neighbour in beside.into_iter().flatten() {
             let neighbour = if neighbour == columns && row.wraps { 0 } else { neighbour };
             let Some(area) = above.get(neighbour).copied().flatten() else { continue };
-            let Some(m) = plane(area) else { continue };
+            let Some((m, rounding)) = plane(area) else { continue };
             let [error_m, slope, product] = row.error_m(column, &m, turn_rad).unwrap();
             let tan_square = (range_m * range_m * m.norm_squared() - 1.0).clamp(0.0, MAX_TAN_SQUARE);
             let turned = (slope * slope * turn_rad2).min(MOST * row.range_m2);
             let variance = row.range_m2 + turned + range_m * range_m * tan_square * BEAM_RAD2;
             let square = error_m * error_m / variance;
+            let point = row.directions[column] * range_m;
+            let off = range_m * (rounding * point).dot(&point).sqrt() / variance.sqrt();
+            let margin = (2.0 * square.sqrt() + off) * off;
             let there = doubt.above(product, 0.05, 1e-4) && !doubt.above(square, FAR, 0.01 * FAR);
-            if there && !tried.iter().any(|&(_, known)| known == area) {
-                tried.push((square, area));
+            if there && !tried.iter().any(|&(_, known, _)| known == area) {
+                tried.push((square, area, margin));
             }
         }
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if let [(first, _), (second, _), ..] = tried[..]
+        if let [(first, _, margin), (second, _, other), ..] = tried[..]
             && first < OFF
         {
-            doubt.above(second, first, 0.02 * first.sqrt() + 1e-4);
+            doubt.above(second, first, 0.02 * first.sqrt() + 1e-4 + margin + other);
         }
         // without a plane to go on with, the pixel leaves
         prices[column] = Some(tried.first().map_or(f64::INFINITY, |first| first.0.min(OFF)));

@@ -62,9 +62,13 @@ impl Sums {
         Sums { points, first: self.first + other.first, second: self.second + other.second }
     }
 
+    /// Of the equations of the plane.
+    fn matrix(&self) -> Matrix3<f64> {
+        self.second + Matrix3::identity() * (1e-9 * self.second.trace())
+    }
+
     fn plane(&self) -> Option<Plane> {
-        let matrix = self.second + Matrix3::identity() * (1e-9 * self.second.trace());
-        let m = matrix.cholesky().filter(|_| self.points > 2)?.solve(&self.first);
+        let m = self.matrix().cholesky().filter(|_| self.points > 2)?.solve(&self.first);
         Some(Plane { m, squares: (self.points as f64 - m.dot(&self.first)).max(0.0) })
     }
 
@@ -372,7 +376,14 @@ pub fn surfaces(image: &Image, beams: &Beams, range_noise_m: f64, room: usize) -
             turns.of_row(&row, &above, |s| Some(s).filter(settled).and_then(|s| grower.plane(s)), &mut doubt);
         grower.turn_rad2 = turns.variance_rad2();
         let left = (turn_rad, 0.25 * grower.turn_rad2);
-        let mut here = follow(&row, &above, |s| grower.plane(s), left, &mut doubt);
+        let plane = |s: usize| {
+            let m = grower.plane(s)?;
+            let inverse = grower.surfaces[s].sums.matrix().cholesky().map(|matrix| matrix.inverse());
+            // where there is none, nothing is sure
+            let inverse = inverse.unwrap_or(Matrix3::repeat(f64::NAN));
+            Some((m, inverse * (UNIT_M * UNIT_M * m.norm_squared())))
+        };
+        let mut here = follow(&row, &above, plane, left, &mut doubt);
         grower.doubt = doubt;
 
         for surface in 0..grower.surfaces.len() {
