@@ -9,7 +9,7 @@ use crate::bits::CHUNK;
 use crate::follow::RowNoise;
 use crate::scanline::{Lanes, Scanline};
 use crate::surface::{FULL, Surfaces};
-use crate::within::{at, part_mut, put};
+use crate::within::{at, part_mut, put, swap};
 
 /// Every fourth pixel is looked at.
 const STRIDE: usize = 4;
@@ -105,13 +105,8 @@ impl Turns {
         }
         self.told += 1;
         let samples = part_mut(samples, 0..count);
-        sort(samples, |[error, slope]| -error / slope);
-        let mut sum = 0.0;
-        let median = samples.iter().find(|sample| {
-            sum += sample[1].abs();
-            sum >= 0.5 * weights
-        });
-        let median_rad = median.map_or(0.0, |sample| -sample[0] / sample[1]);
+        let median_rad =
+            weighted_median(samples, |[error, slope]| -error / slope, |[_, slope]| slope.abs(), 0.5 * weights);
         let off = |sample: &[f32; 2], turn_rad: f32| {
             let rest = sample[0] + turn_rad * sample[1];
             rest * rest / range_m2
@@ -133,47 +128,72 @@ impl Turns {
     }
 }
 
-/// Sorts by a key, smallest first: a heap, because the sorts of the standard library can panic.
-fn sort(samples: &mut [[f32; 2]], key: impl Fn([f32; 2]) -> f32) {
-    let sink = |samples: &mut [[f32; 2]], mut place: usize, end: usize| {
-        let sample = at(samples, place);
-        loop {
-            let left = 2 * place + 1;
-            if left >= end {
-                break;
-            }
-            let right_is_larger = left + 1 < end && key(at(samples, left)) < key(at(samples, left + 1));
-            let child = left + usize::from(right_is_larger);
-            if key(sample) >= key(at(samples, child)) {
-                break;
-            }
-            put(samples, place, at(samples, child));
-            place = child;
+/// Rounds after which the median is good enough: some seven are needed for a hundred samples.
+const ROUNDS: usize = 32;
+
+/// The least key for which the weights of the keys up to it reach `half`. Leaves the samples in another order.
+fn weighted_median(
+    samples: &mut [[f32; 2]],
+    key: impl Fn([f32; 2]) -> f32,
+    weight: impl Fn([f32; 2]) -> f32,
+    half: f32,
+) -> f32 {
+    let (mut low, mut high, mut below, mut pivot) = (0, samples.len(), 0.0, 0.0);
+    for _ in 0..ROUNDS {
+        if low >= high {
+            break;
         }
-        put(samples, place, sample);
-    };
-    let count = samples.len();
-    for place in (0..count / 2).rev() {
-        sink(samples, place, count);
+        pivot = key(at(samples, (low + high) / 2));
+        // in three parts: less than the pivot up to `less`, more from `more` on
+        let (mut less, mut next, mut more) = (low, low, high);
+        let (mut lighter, mut equal) = (0.0, 0.0);
+        while next < more {
+            let sample = at(samples, next);
+            if key(sample) < pivot {
+                lighter += weight(sample);
+                swap(samples, next, less);
+                less += 1;
+                next += 1;
+            } else if key(sample) > pivot {
+                more -= 1;
+                swap(samples, next, more);
+            } else {
+                equal += weight(sample);
+                next += 1;
+            }
+        }
+        if below + lighter >= half {
+            high = less;
+        } else if below + lighter + equal >= half {
+            break;
+        } else {
+            below += lighter + equal;
+            low = more;
+        }
     }
-    for end in (1..count).rev() {
-        let (largest, last) = (at(samples, 0), at(samples, end));
-        put(samples, end, largest);
-        put(samples, 0, last);
-        sink(samples, 0, end);
-    }
+    pivot
 }
 
 #[cfg(test)]
 mod tests {
+    /// Against sorting, for keys that are all different and ones that are not.
     #[test]
-    fn sorted() {
-        for count in 0..40_u32 {
-            let mut samples: std::vec::Vec<_> = (0..count).map(|i| [(i * 17 % 23) as f32, 1.0]).collect();
-            let mut expected = samples.clone();
-            expected.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            super::sort(&mut samples, |[error, _]| error);
-            assert_eq!(samples, expected);
+    fn medians() {
+        for count in 1..60_u32 {
+            for different in [1, 5, 61] {
+                let samples: std::vec::Vec<_> =
+                    (0..count).map(|i| [(i * 17 % different) as f32, (i * 7 % 11 + 1) as f32]).collect();
+                let half = 0.5 * samples.iter().map(|sample| sample[1]).sum::<f32>();
+                let mut sorted = samples.clone();
+                sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                let mut sum = 0.0;
+                let expected = sorted.iter().find(|sample| {
+                    sum += sample[1];
+                    sum >= half
+                });
+                let median = super::weighted_median(&mut samples.clone(), |[key, _]| key, |[_, weight]| weight, half);
+                assert_eq!(Some(median), expected.map(|sample| sample[0]), "{count} {different}");
+            }
         }
     }
 }

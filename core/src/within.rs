@@ -37,3 +37,10 @@ pub(crate) fn split_mut<T>(row: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
     debug_assert!(at <= row.len(), "{at} of {}", row.len());
     row.split_at_mut_checked(at).unwrap_or_default()
 }
+
+#[inline(always)]
+pub(crate) fn swap<T: Copy + Default>(row: &mut [T], a: usize, b: usize) {
+    let (one, other) = (at(row, a), at(row, b));
+    put(row, a, other);
+    put(row, b, one);
+}

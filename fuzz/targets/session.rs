@@ -148,7 +148,7 @@ fn scanner(settings: Settings, running: bool, mishaps: Vec<Mishap>, faults: [u8;
     }
     lms.mishaps = mishaps.into();
     let [drop_one_in, flip_one_in, insert_one_in] = faults.map(|one_in| 8 * u32::from(one_in));
-    lms.wires.faults = Faults { drop_one_in, flip_one_in, insert_one_in };
+    lms.wires.faults = Faults { drop_one_in, flip_one_in, insert_one_in, ..Faults::default() };
     let mut session = Session::new(settings);
     let (mut port, mut now_us, mut scans) = (Baud::B9600, 0, 0);
     let good_from_us = 5_000_000;
