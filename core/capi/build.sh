@@ -3,7 +3,7 @@
 #
 #     build.sh OUT [TARGET] [CPU]     TARGET: a Rust target such as thumbv7em-none-eabihf; CPU: as of rustc's target-cpu
 #
-# The library has no run-time: it asks for memcpy, memset and abort of C, and nothing else. For bare metal the archive also
+# The library has no run-time and cannot panic: it asks for memcpy and memset of C, and nothing else. For bare metal the archive also
 # holds the compiler's arithmetic (division of 64 bits, floating point in software), for linkers that bring none.
 # CARGO_PROFILE_CAPI_OPT_LEVEL=s makes it smaller, and slower.
 set -euo pipefail
