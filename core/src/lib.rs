@@ -2,21 +2,27 @@
 //! for indoor 3D-SLAM* (Harati, Gaechter, Siegwart 2006), one scan row at a time, in fixed memory and linear time.
 //!
 //! ```text
-//! ranges of a row, its turn angle
+//! ranges of a row, its turn angle; by the default
+//!    -> turn of the row beyond that angle      turn
+//!    -> pixels that follow a plane from above  follow
+//!    -> lines in what follows none             piece
+//!    -> planar surfaces, joined where they fit surface, fit
+//!
+//! or, by the paper's edge-based approach,
 //!    -> bearing angles along the traces        bearing, with the angles between beams from beam     (paper section 3)
 //!    -> roof and step edges, OR                edge                                                 (section 4)
 //!    -> closing, on packed bits                closing
 //!    -> labels, joins, complete segments       label
 //!    -> their planes                           plane
 //!
-//! or, by the paper's other approach,
+//! or, by the paper's region-based approach,
 //!    -> lines of the row, by bearing angle     line                                                 (section 4)
 //!    -> growing planar regions                 region, label
 //! ```
 //!
-//! [`EdgeSegmenter`] and [`RegionSegmenter`] tie the stages together, one for each of the paper's two approaches; they are
-//! used alike, with the same [`Config`] and [`Memory`]. [`Config::paper`] holds the paper's settings; a [`Sink`] takes the
-//! results.
+//! [`PlaneSegmenter`], the default, [`EdgeSegmenter`] and [`RegionSegmenter`] tie the stages together. They are used alike, with
+//! the same [`Config`] and [`Memory`]: [`Config::new`] for the default, [`Config::paper`] for the paper's settings. A [`Sink`] takes
+//! the results.
 //!
 //! # Panics
 //! None. Optimised for a microcontroller, no panic routine is linked: so it was with rustc 1.95.0 for thumbv6m, thumbv7em and
