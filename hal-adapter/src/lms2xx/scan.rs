@@ -211,7 +211,7 @@ impl<'a> Scan<'a> {
 
     /// The value words as sent, from right to left.
     pub fn words(&self) -> impl ExactSizeIterator<Item = u16> + Clone + use<'a> {
-        self.values.chunks_exact(2).map(|pair| pair.iter().rev().fold(0, |word, &byte| word << 8 | u16::from(byte)))
+        self.values.as_chunks().0.iter().map(|word| u16::from_le_bytes(*word))
     }
 
     /// The ranges from right to left in metres, 0 where there was no return to measure; as many as there are, or as there is
