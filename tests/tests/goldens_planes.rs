@@ -8,6 +8,8 @@ use std::f32::consts::TAU;
 
 const CONFIG: Config = Config { range_noise_m: 0.0, ..Config::paper() };
 const NOISE: Config = Config { range_noise_m: 0.01, ..Config::paper() };
+/// Of noise. Reduced under Miri.
+const SEEDS: u64 = if cfg!(miri) { 1 } else { 20 };
 
 fn record(scan: &Scan, config: &Config, areas: usize) -> Record {
     let record = scan.record_planes(config, areas);
@@ -63,7 +65,7 @@ fn noisy(mut scan: Scan, sigma_m: f64, seed: u64) -> Scan {
 /// reason to leave a plane.
 #[test]
 fn wall_in_noise() {
-    for seed in 0..20 {
+    for seed in 0..SEEDS {
         let scan = noisy(scanner(30, 40, 10.0, |[x, _, _]| 4.0 / x), 0.01, seed);
         let found = labels(&scan, &NOISE);
         let largest = found.pixels.iter().filter(|&&pixel| pixel == 'a').count();
@@ -114,7 +116,7 @@ fn square_wall_that_looks_like_a_turn() {
 fn step_of_5_cm() {
     let scan = scanner(8, 20, 0.0, |[x, y, _]| if y < 0.0 { 2.0 / x } else { 2.05 / x });
     let config = Config { range_noise_m: 0.002, ..CONFIG };
-    for seed in 0..20 {
+    for seed in 0..SEEDS {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         assert_eq!(found, Picture::parse(&"|aaaaaaaaaabbbbbbbbbb|\n".repeat(8)));
     }
@@ -202,7 +204,7 @@ fn small_fold() {
     let (sin, cos) = 20f64.to_radians().sin_cos();
     // x = 3 to the right, and to the left a wall through (3, 0) that comes nearer
     let scan = scanner(16, 40, 0.0, |[x, y, _]| if y < 0.0 { 3.0 / x } else { 3.0 * cos / (x * cos + y * sin) });
-    for seed in 0..20 {
+    for seed in 0..SEEDS {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         let count = |from: usize, to: usize, label: char| {
             found.pixels.chunks(40).flat_map(|row| &row[from..to]).filter(|&&pixel| pixel == label).count()
@@ -228,7 +230,7 @@ fn seam_of_a_servo() {
         let error_m = scan.row_m(30)[30] - floor(0.0).row_m(30)[30];
         // beyond what the noise would hide
         assert!(error_m.abs() > 0.035, "{error_m}");
-        for seed in 0..10 {
+        for seed in 0..SEEDS.min(10) {
             let found = labels(&noisy(scan.clone(), 0.005, seed), &Config { range_noise_m: 0.005, ..CONFIG });
             let largest = found.pixels.iter().filter(|&&pixel| pixel == 'a').count();
             assert!(largest >= 2000, "{seam_deg}:\n{found}");
