@@ -10,8 +10,8 @@ if ! cargo +nightly miri --version >/dev/null 2>&1 &&
     exit 0
 fi
 export MIRIFLAGS="-Zmiri-strict-provenance -Zmiri-symbolic-alignment-check"
-# Each property once: to generate its cases takes the most time. Without the file in which proptest keeps what failed.
-MIRIFLAGS+=" -Zmiri-env-set=PROPTEST_CASES=1 -Zmiri-env-set=PROPTEST_DISABLE_FAILURE_PERSISTENCE=1"
+# Few cases of each property, and no file in which proptest keeps those that failed.
+MIRIFLAGS+=" -Zmiri-env-set=PROPTEST_CASES=3 -Zmiri-env-set=PROPTEST_DISABLE_FAILURE_PERSISTENCE=1"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 miri() { # target, then what to test
@@ -20,4 +20,4 @@ miri() { # target, then what to test
 }
 miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --tests
 miri s390x-unknown-linux-gnu -p scanseg-tests --test goldens --test goldens_planes --test goldens_regions
-miri armv7-unknown-linux-gnueabihf -p scanseg-capi
+miri armv7-unknown-linux-gnueabihf -p scanseg-capi --tests

@@ -8,8 +8,6 @@ use std::f32::consts::TAU;
 
 const CONFIG: Config = Config { range_noise_m: 0.0, ..Config::paper() };
 const NOISE: Config = Config { range_noise_m: 0.01, ..Config::paper() };
-/// Of noise. Reduced under Miri.
-const SEEDS: u64 = if cfg!(miri) { 1 } else { 20 };
 
 fn record(scan: &Scan, config: &Config, areas: usize) -> Record {
     let record = scan.record_planes(config, areas);
@@ -64,8 +62,9 @@ fn noisy(mut scan: Scan, sigma_m: f64, seed: u64) -> Scan {
 /// A wall with noise of 10 mm is one piece, to the pixel, whatever the noise: an error of 3.5 standard deviations is no
 /// reason to leave a plane.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn wall_in_noise() {
-    for seed in 0..SEEDS {
+    for seed in 0..20 {
         let scan = noisy(scanner(30, 40, 10.0, |[x, _, _]| 4.0 / x), 0.01, seed);
         let found = labels(&scan, &NOISE);
         let largest = found.pixels.iter().filter(|&&pixel| pixel == 'a').count();
@@ -101,6 +100,7 @@ fn floor_and_wall_of(columns: usize, step_deg: f32, yaw_deg: f64) -> Scan {
 /// once, from a floor whose rows are turned farther than they say, by up to 4 deg. A floor of 50 points is believed so far.
 /// A wall that stands at 10 deg is told apart, but for its row in the corner.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn square_wall_that_looks_like_a_turn() {
     let square = labels(&floor_and_wall_of(15, 2.0, 0.0), &CONFIG);
     let lost = square.pixels.chunks(15).skip(6).filter(|row| row.contains(&'a')).count();
@@ -116,7 +116,7 @@ fn square_wall_that_looks_like_a_turn() {
 fn step_of_5_cm() {
     let scan = scanner(8, 20, 0.0, |[x, y, _]| if y < 0.0 { 2.0 / x } else { 2.05 / x });
     let config = Config { range_noise_m: 0.002, ..CONFIG };
-    for seed in 0..SEEDS {
+    for seed in 0..if cfg!(miri) { 1 } else { 20 } {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         assert_eq!(found, Picture::parse(&"|aaaaaaaaaabbbbbbbbbb|\n".repeat(8)));
     }
@@ -199,12 +199,13 @@ fn first_row() {
 
 /// A fold of 20 deg between two walls, in noise of 2 mm: two surfaces, within a pixel or two.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn small_fold() {
     let config = Config { range_noise_m: 0.002, ..CONFIG };
     let (sin, cos) = 20f64.to_radians().sin_cos();
     // x = 3 to the right, and to the left a wall through (3, 0) that comes nearer
     let scan = scanner(16, 40, 0.0, |[x, y, _]| if y < 0.0 { 3.0 / x } else { 3.0 * cos / (x * cos + y * sin) });
-    for seed in 0..SEEDS {
+    for seed in 0..20 {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         let count = |from: usize, to: usize, label: char| {
             found.pixels.chunks(40).flat_map(|row| &row[from..to]).filter(|&&pixel| pixel == label).count()
@@ -215,6 +216,7 @@ fn small_fold() {
 
 /// A floor; from row 20 on the scanner is turned 0.5 deg more than it says. The floor stays one piece.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn seam_of_a_servo() {
     let turned_rad =
         |row: usize, seam_deg: f32| (-50.0 + row as f32 + if row < 20 { 0.0 } else { seam_deg }).to_radians();
@@ -230,7 +232,7 @@ fn seam_of_a_servo() {
         let error_m = scan.row_m(30)[30] - floor(0.0).row_m(30)[30];
         // beyond what the noise would hide
         assert!(error_m.abs() > 0.035, "{error_m}");
-        for seed in 0..SEEDS.min(10) {
+        for seed in 0..10 {
             let found = labels(&noisy(scan.clone(), 0.005, seed), &Config { range_noise_m: 0.005, ..CONFIG });
             let largest = found.pixels.iter().filter(|&&pixel| pixel == 'a').count();
             assert!(largest >= 2000, "{seam_deg}:\n{found}");
