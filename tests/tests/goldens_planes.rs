@@ -148,6 +148,7 @@ fn wall_behind_a_board() {
 /// With room for two areas only, the wall that has ended is forgotten when it comes back: it is another one. With room for
 /// three it is not.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn forgotten_wall() {
     let scan = scanner(15, 9, 0.0, |[x, _, z]| if z.abs() < 0.05 { 2.0 / x } else { 3.0 / x });
     let art = "|aaaaaaaaa|\n".repeat(5) + &"|bbbbbbbbb|\n".repeat(5) + &"|ccccccccc|\n".repeat(5);
@@ -269,6 +270,7 @@ fn hole_without_a_return() {
 /// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one by its neighbours, in the second
 /// row, if the image wraps. If not, it is one as soon as both of its parts have 20 points.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn wall_across_the_seam() {
     let scan = |wraps| {
         let angles = Angles::Even { start_rad: 2f32.to_radians(), step_rad: TAU / 40.0 };
