@@ -92,6 +92,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
+    #[cfg_attr(miri, ignore = "slow")]
     fn pieces_do_not_matter((_, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
         let whole = decode(&bytes, &[bytes.len()], None);
         prop_assert_eq!(&decode(&bytes, &pieces, None), &whole);
@@ -101,6 +102,7 @@ proptest! {
 
     /// Junk can hide a telegram only by being, with the telegram's first bytes, a good telegram itself.
     #[test]
+    #[cfg_attr(miri, ignore = "slow")]
     fn no_good_telegram_is_lost((sent, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
         let found = telegrams(&decode(&bytes, &pieces, None));
         let mut after = found.iter();
@@ -110,11 +112,12 @@ proptest! {
     }
 
     #[test]
-    fn anything_at_all(bytes in prop::collection::vec(any::<u8>(), 0..3000)) {
+    fn anything_at_all(bytes in prop::collection::vec(any::<u8>(), 0..if cfg!(miri) { 100 } else { 3000 })) {
         decode(&bytes, &[7, 64, 1], None);
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "slow")]
     fn scans_read_back(variant in any_variant(), unit in 0u16..3, words in values(401), status in status()) {
         let words = &words[..variant.columns().into()];
         let bytes = frame(&scan_payload(&[0xB0], variant.columns() | unit << 14, words, &[], status));
@@ -129,6 +132,31 @@ proptest! {
         prop_assert_eq!((scan.unit(), scan.status().0), (unit, status));
         prop_assert_eq!(scan.words().collect::<Vec<_>>(), words);
     }
+}
+
+/// One telegram of every kind after one kind of junk each, in one piece, byte by byte, and in pieces of two sizes.
+#[test]
+fn every_kind_among_junk() {
+    let values = |count| (0..count).map(|i| [0x8002, 0x0015, 0xB000, 1234][i % 4]).collect::<Vec<u16>>();
+    let scan = frame(&scan_payload(&[0xB0], 101 | 1 << 14, &values(101), &[7, 8], 0x10));
+    let partial = frame(&scan_payload(&[0xB0], 100 | 0x3000, &values(100), &[], 0x31));
+    let sub_range = frame(&scan_payload(&[0xB7, 5, 0, 24, 0], 20 | 1 << 14, &values(20), &[], 0x10));
+    let answer = frame(&[0xA0, 0x00, 0x10]);
+    let mut flipped = sub_range.clone();
+    flipped[20] ^= 1;
+    let claims_more = [0x02, 0x80, 0xFF, 0x02, 0xB0];
+    let (mut bytes, mut sent) = (vec![], vec![]);
+    for (junk, telegram) in
+        [(&[0x06, 0x02, 0x80][..], scan.clone()), (&scan[..50], sub_range), (&flipped, answer), (&claims_more, partial)]
+    {
+        bytes.extend(junk);
+        sent.push((bytes.len(), telegram.clone()));
+        bytes.extend(telegram);
+    }
+    let whole = decode(&bytes, &[bytes.len()], None);
+    assert_eq!(telegrams(&whole), sent);
+    assert_eq!(decode(&bytes, &[1], None), whole);
+    assert_eq!(decode(&bytes, &[300, 7], None), whole);
 }
 
 /// Two whole telegrams within the claimed length of a false one both come out, and the starts are told with their distance.

@@ -62,6 +62,7 @@ fn noisy(mut scan: Scan, sigma_m: f64, seed: u64) -> Scan {
 /// A wall with noise of 10 mm is one piece, to the pixel, whatever the noise: an error of 3.5 standard deviations is no
 /// reason to leave a plane.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn wall_in_noise() {
     for seed in 0..20 {
         let scan = noisy(scanner(30, 40, 10.0, |[x, _, _]| 4.0 / x), 0.01, seed);
@@ -99,6 +100,7 @@ fn floor_and_wall_of(columns: usize, step_deg: f32, yaw_deg: f64) -> Scan {
 /// once, from a floor whose rows are turned farther than they say, by up to 4 deg. A floor of 50 points is believed so far.
 /// A wall that stands at 10 deg is told apart, but for its row in the corner.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn square_wall_that_looks_like_a_turn() {
     let square = labels(&floor_and_wall_of(15, 2.0, 0.0), &CONFIG);
     let lost = square.pixels.chunks(15).skip(6).filter(|row| row.contains(&'a')).count();
@@ -114,7 +116,7 @@ fn square_wall_that_looks_like_a_turn() {
 fn step_of_5_cm() {
     let scan = scanner(8, 20, 0.0, |[x, y, _]| if y < 0.0 { 2.0 / x } else { 2.05 / x });
     let config = Config { range_noise_m: 0.002, ..CONFIG };
-    for seed in 0..20 {
+    for seed in 0..if cfg!(miri) { 1 } else { 20 } {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         assert_eq!(found, Picture::parse(&"|aaaaaaaaaabbbbbbbbbb|\n".repeat(8)));
     }
@@ -146,6 +148,7 @@ fn wall_behind_a_board() {
 /// With room for two areas only, the wall that has ended is forgotten when it comes back: it is another one. With room for
 /// three it is not.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn forgotten_wall() {
     let scan = scanner(15, 9, 0.0, |[x, _, z]| if z.abs() < 0.05 { 2.0 / x } else { 3.0 / x });
     let art = "|aaaaaaaaa|\n".repeat(5) + &"|bbbbbbbbb|\n".repeat(5) + &"|ccccccccc|\n".repeat(5);
@@ -197,6 +200,7 @@ fn first_row() {
 
 /// A fold of 20 deg between two walls, in noise of 2 mm: two surfaces, within a pixel or two.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn small_fold() {
     let config = Config { range_noise_m: 0.002, ..CONFIG };
     let (sin, cos) = 20f64.to_radians().sin_cos();
@@ -213,6 +217,7 @@ fn small_fold() {
 
 /// A floor; from row 20 on the scanner is turned 0.5 deg more than it says. The floor stays one piece.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn seam_of_a_servo() {
     let turned_rad =
         |row: usize, seam_deg: f32| (-50.0 + row as f32 + if row < 20 { 0.0 } else { seam_deg }).to_radians();
@@ -265,6 +270,7 @@ fn hole_without_a_return() {
 /// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one by its neighbours, in the second
 /// row, if the image wraps. If not, it is one as soon as both of its parts have 20 points.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn wall_across_the_seam() {
     let scan = |wraps| {
         let angles = Angles::Even { start_rad: 2f32.to_radians(), step_rad: TAU / 40.0 };
