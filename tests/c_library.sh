@@ -30,7 +30,12 @@ cxx="-std=c++17 -g -O1 -Wall -Wextra -pedantic -Werror -fno-exceptions -fno-rtti
 built=0
 for cc in gcc clang; do
     have $cc && have ${cc/gcc/g}++ || { echo "skipped: $cc is not here"; continue; }
-    for kind in "" -asan; do
+    kinds=("" -asan)
+    if ! echo 'int main(void) { return 0; }' | $cc -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null; then
+        echo "skipped: $cc has no AddressSanitizer here"
+        kinds=("")
+    fi
+    for kind in "${kinds[@]}"; do
         [ -z "$kind" ] && sanitize="" || sanitize="-fsanitize=address,undefined -fno-sanitize-recover=all"
         # shellcheck disable=SC2086
         {
@@ -47,7 +52,7 @@ for cc in gcc clang; do
         done
     done
     built=$((built + 1))
-    echo "$cc: built without warnings; runs, also with AddressSanitizer"
+    echo "$cc: built without warnings; runs${kinds[1]+, also with AddressSanitizer}"
 done
 [ $built -gt 0 ] || { echo "skipped: no C compiler"; exit 0; }
 
