@@ -150,9 +150,13 @@ fuzz_target!(|input: Input| {
         let now = before + if moved < 1 << 31 { moved } else { moved - (1 << 32) };
         total = Some(now);
         let latch = tilt.read(&mut || 7).unwrap();
-        let exact = now as f64 / 4_294_967_296.0 * std::f64::consts::TAU / f64::from(gear);
+        // the same but for whole turns of the tilt, of which there is a whole number of units
+        let tilt_turn = (4_294_967_296.0 * gear) as i128;
+        let exact = now.rem_euclid(tilt_turn) as f64 / 4_294_967_296.0 * std::f64::consts::TAU / f64::from(gear);
         let exact = if opposite { -exact } else { exact };
-        assert!((f64::from(latch.turn_rad) - exact).abs() <= 1e-6 * exact.abs() + 1e-40, "{latch:?} {exact}");
+        let turns = (f64::from(latch.turn_rad) - exact) / std::f64::consts::TAU;
+        assert!((turns - turns.round()).abs() <= 1e-6, "{latch:?} {exact}");
+        assert!(latch.turn_rad.abs() <= std::f32::consts::PI * 1.000_001, "{latch:?}");
         assert_eq!(latch.time_us, 7);
     }
 });
