@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Runs every fuzz target for some seconds (20), one on each processor, from the committed seeds on: `tests/fuzz.sh [SECONDS]`.
+# Runs every fuzz target for some seconds (20), one on each processor, from the committed seeds on:
+# `tests/fuzz.sh [SECONDS [RANDOM]]`. With a number for RANDOM it takes the same way each time, as the gate does.
+#
 # A find fails, and is left in fuzz/artifacts. What is new goes to fuzz/corpus, from which the next run starts as well: see
 # fuzz/README.md.
 set -euo pipefail
 cd "$(dirname "$0")/../fuzz"
 seconds=${1:-20}
+random=${2:-0}
 
 skip() { echo "skipped: $*"; exit 0; }
 # Instrumented builds want a nightly compiler.
@@ -21,7 +24,7 @@ run() { # target
     mkdir -p "corpus/$target"
     log=$(mktemp)
     # What files claim must not make their readers take much more memory than they are long.
-    if cargo +nightly fuzz run "$target" "corpus/$target" "seeds/$target" -- -max_total_time="$seconds" -max_len=2048 \
+    if cargo +nightly fuzz run "$target" "corpus/$target" "seeds/$target" -- -seed="$random" -max_total_time="$seconds" -max_len=2048 \
         -len_control=10 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 >"$log" 2>&1; then
         # #94808 DONE   cov: 3875 ft: 19321 corp: 1280/36Kb lim: 43 exec/s: 5925 rss: 456Mb
         read -r executions edges features a_second < <(sed -n \
