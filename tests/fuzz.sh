@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # Runs every fuzz target for some seconds (20), one on each processor, from the committed seeds on:
 # `tests/fuzz.sh [SECONDS [RANDOM]]`. With a number for RANDOM it takes the same way each time, as the gate does.
-#
 # A find fails, and is left in fuzz/artifacts. What is new goes to fuzz/corpus, from which the next run starts as well: see
 # fuzz/README.md.
 set -euo pipefail
