@@ -31,6 +31,15 @@ impl Uart {
         control.write(3);
         Self { data, state }
     }
+
+    /// Waits for a byte.
+    #[inline(always)]
+    fn byte(&mut self) -> u8 {
+        figures::pause();
+        while self.state.read() & RX_FULL == 0 {}
+        figures::resume();
+        self.data.read() as u8
+    }
 }
 
 impl ErrorType for Uart {
@@ -41,20 +50,14 @@ impl Read for Uart {
     /// Waits for one byte.
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
         let Some(byte) = bytes.first_mut() else { return Ok(0) };
-        figures::pause();
-        while self.state.read() & RX_FULL == 0 {}
-        figures::resume();
-        *byte = self.data.read() as u8;
+        *byte = self.byte();
         Ok(1)
     }
 
     /// As `read`, without its detours for each byte.
     fn read_exact(&mut self, bytes: &mut [u8]) -> Result<(), ReadExactError<Infallible>> {
         for byte in bytes {
-            figures::pause();
-            while self.state.read() & RX_FULL == 0 {}
-            figures::resume();
-            *byte = self.data.read() as u8;
+            *byte = self.byte();
         }
         Ok(())
     }
