@@ -9,7 +9,7 @@ use core::fmt;
 pub enum ConfigError {
     /// A number is NaN, infinite or outside of its range.
     Value {
-        /// The field of [`Config`](crate::Config) or [`Beams`](crate::Beams).
+        /// The field of a configuration or of [`Beams`](crate::Beams).
         field: &'static str,
         /// What it was set to.
         value: f32,
@@ -73,8 +73,11 @@ pub enum PushError {
         /// What was given, radians.
         turn_rad: f32,
     },
-    /// The scan already has [`MAX_ROWS`](crate::MAX_ROWS) rows: call `finish`.
-    TooManyRows,
+    /// The scan already has the most rows that a scan may have: call `finish`.
+    TooManyRows {
+        /// [`MAX_ROWS`](crate::MAX_ROWS).
+        max_rows: usize,
+    },
 }
 
 impl fmt::Display for PushError {
@@ -82,7 +85,7 @@ impl fmt::Display for PushError {
         match *self {
             PushError::RowLength { expected, got } => write!(f, "row of {got} ranges, expected {expected}"),
             PushError::TurnAngle { turn_rad } => write!(f, "turn angle cannot be {turn_rad}"),
-            PushError::TooManyRows => write!(f, "more than {} rows in one scan", crate::MAX_ROWS),
+            PushError::TooManyRows { max_rows } => write!(f, "more than {max_rows} rows in one scan"),
         }
     }
 }

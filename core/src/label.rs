@@ -1,124 +1,34 @@
-//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas, by runs, in one pass. Of the edge-based
-//! approach runs are what edges leave of a row, and those that touch are one area; of the region-based one they are lines,
-//! and [`Growth`] says which areas take them.
+//! Labels (paper section 4: "each closed area gets a label"): 4-connected areas, by runs, in one
+//! pass. Of the edge-based approach runs are what edges leave of a row, and those that touch are
+//! one area; of the region-based one they are lines, and [`Growth`] says which areas take them.
 //!
-//! Only the frontier is remembered: the runs of the row before that may still be touched, then the runs of this row so
-//! far, a queue of at most floor(columns / 2) + 2 entries. Each run refers to a slot of the table of live areas. Where
-//! areas join within a row, one slot becomes a link to the other; at the end of the row all runs refer to roots again.
+//! Only the frontier is remembered: the runs of the row before that may still be touched, then the
+//! runs of this row so far, a queue of at most floor(columns / 2) + 2 entries. Each run refers to a
+//! slot of the table of live areas. Where areas join within a row, one slot becomes a link to the
+//! other; at the end of the row all runs refer to roots again.
 //!
-//! A slot is free the moment no run refers to it, so floor(columns / 2) + 1 slots are enough for every image:
-//! - The slot that a run has joined others into keeps the run's own reference to the end of the row, and only such slots
-//!   are linked to. Hence every slot in use is referred to by a run of its own.
-//! - Runs that can no longer be touched are dropped before a new area takes a slot, and then the frontier without the
-//!   new run has at most floor(columns / 2) runs. With gaps between runs, because every run has its pixel and a gap.
-//!   With runs that touch, of two pixels or more, let the new one be `s..e`: floor(s / 2) runs at most are to its left,
-//!   and those of the row above that end after e are at most 1 + floor((columns - e - 1) / 2), with e >= s + 2; together
-//!   no more than floor((columns - 1) / 2).
+//! A slot is free the moment no run refers to it, so floor(columns / 2) + 1 slots are enough for
+//! every image:
+//! - The slot that a run has joined others into keeps the run's own reference to the end of the
+//!   row, and only such slots are linked to. Hence every slot in use is referred to by a run of its
+//!   own.
+//! - Runs that can no longer be touched are dropped before a new area takes a slot, and then the
+//!   frontier without the new run has at most floor(columns / 2) runs. With gaps between runs,
+//!   because every run has its pixel and a gap. With runs that touch, of two pixels or more, let
+//!   the new one be `s..e`: floor(s / 2) runs at most are to its left, and those of the row above
+//!   that end after e are at most 1 + floor((columns - e - 1) / 2), with e >= s + 2; together no
+//!   more than floor((columns - 1) / 2).
 
 use core::ops::{ControlFlow, Range};
 
-use crate::event::{Join, Label, Segment, Sink};
-use crate::plane::{Moments, exact_points};
-use crate::within;
-
-/// Live labels that every image of this width can make do with, by the paper's two approaches; see
-/// [`Memory::areas`](crate::Memory::areas).
-pub const fn live_labels(columns: usize) -> usize {
-    columns / 2 + 1
-}
+use crate::area::Area;
+use crate::moments::{Moments, exact_points};
+use crate::row::slots::{NONE, RunSlots, ring_place, set_ring_slot};
+use crate::sink::Sink;
 
 /// Words of the frontier: one more run than live labels, two runs a word.
 pub(crate) const fn frontier_words(columns: usize) -> usize {
     (columns / 2 + 2).div_ceil(2)
-}
-
-/// A live area: an element of the table of live labels, 84 bytes. Opaque; made by [`Area::EMPTY`].
-#[derive(Clone, Copy, Debug)]
-#[repr(C, packed(4))]
-pub struct Area {
-    second: [i64; 6],
-    first_low: [u32; 3],
-    pub(crate) points: u32,
-    /// Label; in a free slot the next free slot.
-    pub(crate) label: u32,
-    first_high: [i16; 3],
-    /// Runs of the frontier that refer to this slot itself.
-    runs: u16,
-    pub(crate) first_row: u16,
-    first_column: u16,
-    last_column: u16,
-    /// This slot itself for an area, else the slot that it was joined into.
-    pub(crate) link: u16,
-}
-
-impl Area {
-    /// For the memory that a segmenter is given: `[Area::EMPTY; live_labels(COLUMNS)]`.
-    pub const EMPTY: Area = Area {
-        second: [0; 6],
-        first_low: [0; 3],
-        points: 0,
-        label: 0,
-        first_high: [0; 3],
-        runs: 0,
-        first_row: 0,
-        first_column: 0,
-        last_column: 0,
-        link: 0,
-    };
-
-    pub(crate) fn moments(&self) -> Moments {
-        let (low, high) = (self.first_low, self.first_high);
-        let first = core::array::from_fn(|i| (i64::from(high[i]) << 32) | i64::from(low[i]));
-        Moments { points: self.points, first, second: self.second }
-    }
-
-    /// A new area whose first pixel is this one; `slot` is where it stands in its table.
-    pub(crate) fn begin(label: u32, row: u16, column: u16, slot: u16) -> Area {
-        Area { label, first_row: row, first_column: column, last_column: column, link: slot, ..Area::EMPTY }
-    }
-
-    /// Takes a run of a row.
-    pub(crate) fn take(&mut self, run: &Range<usize>, moments: &Moments, exact: u32) {
-        self.first_column = self.first_column.min(run.start as u16);
-        self.last_column = self.last_column.max(run.end as u16 - 1);
-        self.add(moments, exact);
-    }
-
-    /// Takes all of another area. The smaller label stays.
-    pub(crate) fn absorb(&mut self, other: &Area, exact: u32) -> Join {
-        let join = Join { from: Label(self.label.max(other.label)), into: Label(self.label.min(other.label)) };
-        self.label = join.into.0;
-        self.first_row = self.first_row.min(other.first_row);
-        self.first_column = self.first_column.min(other.first_column);
-        self.last_column = self.last_column.max(other.last_column);
-        self.add(&other.moments(), exact);
-        join
-    }
-
-    pub(crate) fn segment(&self, last_row: u16) -> Segment {
-        Segment {
-            label: Label(self.label),
-            first_row: self.first_row,
-            last_row,
-            first_column: self.first_column,
-            last_column: self.last_column,
-            moments: self.moments(),
-        }
-    }
-
-    /// `exact` is the number of points up to which no sum can overflow.
-    fn add(&mut self, more: &Moments, exact: u32) {
-        let mut sum = self.moments();
-        if sum.points.saturating_add(more.points) <= exact {
-            sum.merge_exact(more);
-        } else {
-            sum.merge(more);
-        }
-        self.points = sum.points;
-        self.second = sum.second;
-        self.first_low = sum.first.map(|s| s as u32);
-        self.first_high = sum.first.map(|s| (s >> 32) as i16);
-    }
 }
 
 /// How an approach lets areas grow, run by run. One that `TAKES_ALL` needs `moments` only.
@@ -131,8 +41,8 @@ pub(crate) trait Growth {
         let _ = run;
     }
 
-    /// Whether an area of the row above, which the run touches, takes the run, and how well: of several the one that takes
-    /// it best, and of equal ones the leftmost, gets it.
+    /// Whether an area of the row above, which the run touches, takes the run, and how well: of
+    /// several the one that takes it best, and of equal ones the leftmost, gets it.
     fn takes(&mut self, area: &Area) -> Option<u32> {
         let _ = area;
         Some(0)
@@ -144,7 +54,8 @@ pub(crate) trait Growth {
         true
     }
 
-    /// Whether the areas of the last and of the first run, which are neighbours across the seam, are one.
+    /// Whether the areas of the last and of the first run, which are neighbours across the seam,
+    /// are one.
     fn meets(&mut self, one: &Area, other: &Area) -> bool {
         let _ = (one, other);
         true
@@ -153,9 +64,6 @@ pub(crate) trait Growth {
     /// The moments of the run.
     fn moments(&mut self, run: Range<usize>) -> Moments;
 }
-
-/// No slot: the run of an area that got none.
-const NONE: u16 = u16::MAX;
 
 /// The live areas and the frontier.
 pub(crate) struct Labels<'a> {
@@ -193,15 +101,15 @@ impl<'a> Labels<'a> {
         (self.next_label, self.row) = (1, 0);
     }
 
-    /// Label of the `index`-th run of the row just labelled.
-    pub fn of_run(&self, index: usize) -> Option<Label> {
-        let area = self.table.get(usize::from(self.entry(index)))?;
-        Some(Label(area.label))
+    /// The table of areas, and the slots in it of the runs of the row just labelled.
+    pub fn labelled(&self) -> (&[Area], RunSlots<'_>) {
+        (self.table, self.slots())
     }
 
-    /// Labels one row. `previous` and `current` are the runs of the row before and of this row; `seam`: the last run
-    /// neighbours the first across the seam of an image that wraps. Returns the number of pixels that got no label.
-    pub fn label_row<S: Sink, G: Growth>(
+    /// Labels one row. `previous` and `current` are the runs of the row before and of this row;
+    /// `seam`: the last run neighbours the first across the seam of an image that wraps. Returns
+    /// the number of pixels that got no label.
+    pub fn label_row<S: Sink + ?Sized, G: Growth>(
         &mut self,
         row: usize,
         previous: impl Iterator<Item = Range<usize>> + Clone,
@@ -258,17 +166,28 @@ impl<'a> Labels<'a> {
             self.drop_run(sink)?;
         }
         if seam && found > 1 {
-            let (first, last) = (self.root(self.entry(0)), self.root(self.entry(found - 1)));
-            if first != last && first != NONE && last != NONE && growth.meets(self.get(first), self.get(last)) {
-                self.join(first, last, sink)?;
-            }
+            self.join_across_seam(found, growth, sink)?;
         }
         self.settle();
         ControlFlow::Continue(unlabelled)
     }
 
+    /// Joins the areas of the first and of the last of `found` runs, if they are one.
+    fn join_across_seam<S: Sink + ?Sized, G: Growth>(
+        &mut self,
+        found: usize,
+        growth: &mut G,
+        sink: &mut S,
+    ) -> ControlFlow<()> {
+        let (first, last) = (self.root(self.entry(0)), self.root(self.entry(found - 1)));
+        if first != last && first != NONE && last != NONE && growth.meets(self.get(first), self.get(last)) {
+            self.join(first, last, sink)?;
+        }
+        ControlFlow::Continue(())
+    }
+
     /// Ends the scan: every area left is complete.
-    pub fn finish<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
+    pub fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> ControlFlow<()> {
         self.row = self.row.wrapping_add(1);
         while self.len > 0 {
             self.drop_run(sink)?;
@@ -306,8 +225,9 @@ impl<'a> Labels<'a> {
         slot
     }
 
-    /// Joins the area of slot `gone` into that of slot `kept`, whose run of this row is to the left. The smaller label stays.
-    fn join<S: Sink>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
+    /// Joins the area of slot `gone` into that of slot `kept`, whose run of this row is to the
+    /// left. The smaller label stays.
+    fn join<S: Sink + ?Sized>(&mut self, kept: u16, gone: u16, sink: &mut S) -> ControlFlow<()> {
         let exact = self.exact_points;
         let Some(area) = self.area(gone) else { return ControlFlow::Continue(()) };
         area.link = kept;
@@ -317,9 +237,9 @@ impl<'a> Labels<'a> {
     }
 
     /// Drops the frontier's first run: nothing can touch it any more.
-    fn drop_run<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
+    fn drop_run<S: Sink + ?Sized>(&mut self, sink: &mut S) -> ControlFlow<()> {
         let slot = self.entry(0);
-        self.head = self.ring(1);
+        self.head = ring_place(self.frontier.len(), self.head, 1);
         self.len -= 1;
         let row = self.row;
         let Some(area) = self.area(slot) else { return ControlFlow::Continue(()) };
@@ -393,23 +313,19 @@ impl<'a> Labels<'a> {
         }
     }
 
-    /// Place of the `index`-th run of the frontier in the ring; `index` at most its capacity.
-    fn ring(&self, index: usize) -> usize {
-        let (at, capacity) = (self.head + index, 2 * self.frontier.len());
-        if at < capacity { at } else { at - capacity }
+    /// The slots of the runs of the frontier.
+    fn slots(&self) -> RunSlots<'_> {
+        RunSlots { words: self.frontier, head: self.head }
     }
 
     /// Slot of the `index`-th run of the frontier.
     fn entry(&self, index: usize) -> u16 {
-        let at = self.ring(index);
-        (within::at(self.frontier, at / 2) >> (16 * (at % 2))) as u16
+        self.slots().of_run(index)
     }
 
     fn set_entry(&mut self, index: usize, slot: u16) {
-        let at = self.ring(index);
-        let shift = 16 * (at % 2);
-        let word = within::at(self.frontier, at / 2);
-        within::put(self.frontier, at / 2, (word & !(0xffff << shift)) | (u32::from(slot) << shift));
+        let place = ring_place(self.frontier.len(), self.head, index);
+        set_ring_slot(self.frontier, place, slot);
     }
 
     fn push_run(&mut self, slot: u16) {

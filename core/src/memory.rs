@@ -1,36 +1,43 @@
 //! The memory that a segmenter works in: placed by the user, before the first row.
 
-use crate::bits::{CHUNK, words};
-use crate::config::{Config, Trace};
-use crate::error::ConfigError;
-use crate::label::{Area, frontier_words, live_labels};
-use crate::plane_segmenter::{numbers_len, slots_len};
-use crate::segmenter::LATENCY_ROWS;
+use core::fmt;
 
-/// The memory that a segmenter works in. What it holds before does not matter; longer slices than [`Sizes`] asks for are
-/// fine. [`buffers!`](crate::buffers) makes it at compile time.
-#[derive(Debug)]
+use crate::area::Area;
+use crate::error::ConfigError;
+
+/// The memory that a segmenter works in, as slices of plain numbers. Each approach uses them in its
+/// own way. What they hold before does not matter. Slices may be longer than [`Sizes`] asks for.
+/// [`buffers!`](crate::buffers) makes them at compile time.
 pub struct Memory<'a> {
-    /// Rows of ranges.
-    pub ranges: &'a mut [f32],
-    /// Rows of bearing angles, two per trace. The region-based approach has scratch of its lines there.
-    pub bearings: &'a mut [u16],
-    /// Rows of packed bits, and the frontier of the labels.
+    /// Single-precision numbers.
+    pub numbers: &'a mut [f32],
+    /// Numbers of 16 bits.
+    pub halves: &'a mut [u16],
+    /// Words of 32 bits.
     pub words: &'a mut [u32],
-    /// The table of live labels; more than [`live_labels`] elements are not used. They are enough for every image by the
-    /// paper's two approaches. The plane approach holds the areas of two rows in it, which noise alone can make more of. An
-    /// area that finds the table full stays without a label, which [`Status`](crate::Status),
-    /// [`Finished`](crate::Finished) and [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
+    /// The table of live areas; more than [`live_labels`](crate::live_labels) elements are not
+    /// used, fewer will do for simple images. They are enough for every image by the paper's two
+    /// approaches. The plane approach holds the areas of two rows in it, which noise alone can make
+    /// more of. An area that finds the table full stays without a label, which
+    /// [`Status`](crate::Status), [`Finished`](crate::Finished) and
+    /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
     pub areas: &'a mut [Area],
 }
 
+impl fmt::Debug for Memory<'_> {
+    /// Writes the lengths of the slices.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lengths = [self.numbers.len(), self.halves.len(), self.words.len(), self.areas.len()];
+        write!(f, "Memory({lengths:?})")
+    }
+}
+
 impl Memory<'_> {
-    /// Whether it is enough for images of `columns` columns; with it what was asked for.
-    pub(crate) fn check(&self, columns: usize, config: &Config<'_>) -> Result<Sizes, ConfigError> {
-        let needed = Sizes::of(columns, config);
+    /// Whether it is enough; one area will do.
+    pub(crate) fn check(&self, needed: &Sizes) -> Result<(), ConfigError> {
         for (field, needed, got) in [
-            ("ranges", needed.ranges, self.ranges.len()),
-            ("bearings", needed.bearings, self.bearings.len()),
+            ("numbers", needed.numbers, self.numbers.len()),
+            ("halves", needed.halves, self.halves.len()),
             ("words", needed.words, self.words.len()),
             ("areas", 1, self.areas.len()),
         ] {
@@ -38,112 +45,95 @@ impl Memory<'_> {
                 return Err(ConfigError::Memory { field, needed, got });
             }
         }
-        Ok(needed)
+        Ok(())
     }
 }
 
-/// Lengths of the slices of a [`Memory`].
+/// Lengths of the slices of a [`Memory`]. Each configuration has a method `sizes` that gives what
+/// its approach needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sizes {
-    /// Of [`Memory::ranges`].
-    pub ranges: usize,
-    /// Of [`Memory::bearings`].
-    pub bearings: usize,
+    /// Of [`Memory::numbers`].
+    pub numbers: usize,
+    /// Of [`Memory::halves`].
+    pub halves: usize,
     /// Of [`Memory::words`].
     pub words: usize,
     /// Of [`Memory::areas`], for every image to find room.
     pub areas: usize,
 }
 
-/// Length of a row of bearing angles: whole chunks, with room for one column more.
-pub(crate) const fn padded_row(columns: usize) -> usize {
-    (columns / CHUNK + 1) * CHUNK
-}
-
 const fn max(a: usize, b: usize) -> usize {
     if a > b { a } else { b }
 }
 
-/// Packed rows in [`Memory::words`].
-pub(crate) const BIT_ROWS: usize = 10;
-
 impl Sizes {
-    /// What an image of `columns` columns needs.
-    pub const fn of(columns: usize, config: &Config<'_>) -> Sizes {
+    /// The lengths that are enough for either.
+    #[must_use]
+    pub const fn max(self, other: Sizes) -> Sizes {
         Sizes {
-            ranges: max(stored_rows(config.traces) * columns, numbers_len(columns)),
-            bearings: max(2 * config.traces.len() * padded_row(columns), slots_len(columns)),
-            words: BIT_ROWS * words(columns) + frontier_words(columns),
-            areas: live_labels(columns),
+            numbers: max(self.numbers, other.numbers),
+            halves: max(self.halves, other.halves),
+            words: max(self.words, other.words),
+            areas: max(self.areas, other.areas),
         }
     }
 
     /// Bytes of all slices together.
+    #[must_use]
     pub const fn bytes(&self) -> usize {
-        4 * self.ranges + 2 * self.bearings + 4 * self.words + size_of::<Area>() * self.areas
+        4 * self.numbers + 2 * self.halves + 4 * self.words + size_of::<Area>() * self.areas
     }
 }
 
-/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known, which is three rows. The
-/// region-based approach keeps the x, y and z of one row instead.
-pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
-    let mut rows = LATENCY_ROWS;
-    let mut i = 0;
-    while i < traces.len() {
-        if traces[i].rows as usize > rows {
-            rows = traces[i].rows as usize;
-        }
-        i += 1;
-    }
-    rows
-}
-
-/// Owns the memory of a segmenter. Made by [`buffers!`](crate::buffers), all zeros: in a `static` it costs no flash, and
-/// it is never built on the stack.
-#[derive(Debug)]
-pub struct Buffers<const RANGES: usize, const BEARINGS: usize, const WORDS: usize, const AREAS: usize> {
-    ranges: [f32; RANGES],
-    bearings: [u16; BEARINGS],
+/// Owns the memory of a segmenter. Made by [`buffers!`](crate::buffers), all zeros: in a `static`
+/// it costs no flash, and it is never built on the stack.
+pub struct Buffers<const NUMBERS: usize, const HALVES: usize, const WORDS: usize, const AREAS: usize> {
+    numbers: [f32; NUMBERS],
+    halves: [u16; HALVES],
     words: [u32; WORDS],
     areas: [Area; AREAS],
 }
 
-impl<const R: usize, const B: usize, const W: usize, const A: usize> Buffers<R, B, W, A> {
-    /// All zeros.
-    pub const EMPTY: Self = Self { ranges: [0.0; R], bearings: [0; B], words: [0; W], areas: [Area::EMPTY; A] };
-
-    /// For [`EdgeSegmenter::new`](crate::EdgeSegmenter::new) or [`RegionSegmenter::new`](crate::RegionSegmenter::new).
-    pub fn memory(&mut self) -> Memory<'_> {
-        Memory {
-            ranges: &mut self.ranges,
-            bearings: &mut self.bearings,
-            words: &mut self.words,
-            areas: &mut self.areas,
-        }
+impl<const N: usize, const H: usize, const W: usize, const A: usize> fmt::Debug for Buffers<N, H, W, A> {
+    /// Writes the lengths of the slices.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Buffers({:?})", [N, H, W, A])
     }
 }
 
-/// The type of the [`Buffers`] for an image of so many columns, and with a third argument so many live labels. Both
-/// numbers and the [`Config`] must be constants.
+impl<const N: usize, const H: usize, const W: usize, const A: usize> Buffers<N, H, W, A> {
+    /// All zeros.
+    pub const EMPTY: Self = Self { numbers: [0.0; N], halves: [0; H], words: [0; W], areas: [Area::EMPTY; A] };
+
+    /// The memory, for a segmenter to work in.
+    pub fn memory(&mut self) -> Memory<'_> {
+        Memory { numbers: &mut self.numbers, halves: &mut self.halves, words: &mut self.words, areas: &mut self.areas }
+    }
+}
+
+/// The type of the [`Buffers`] for an image of so many columns, and with a third argument so many
+/// live areas. The numbers and the configuration, of any approach, must be constants.
 ///
 /// ```
-/// use scanseg_core::{Config, Sizes, buffers};
-/// const CONFIG: Config = Config::paper();
+/// use scanseg_core::{PlaneConfig, Ranging, buffers};
+/// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
 /// // on a microcontroller: a `static`
 /// let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
 /// let memory = buffers.memory();
-/// assert!(Sizes::of(181, &CONFIG).bytes() <= 12 * 1024);
+/// assert!(CONFIG.sizes(181).bytes() <= 12 * 1024);
 /// ```
 #[macro_export]
 macro_rules! buffers {
     ($columns:expr, $config:expr) => {
-        $crate::buffers!($columns, $config, $crate::Sizes::of($columns, &$config).areas)
+        $crate::buffers!($columns, $config, $config.sizes($columns).areas)
     };
     ($columns:expr, $config:expr, $areas:expr) => {
         $crate::Buffers<
-            { $crate::Sizes::of($columns, &$config).ranges },
-            { $crate::Sizes::of($columns, &$config).bearings },
-            { $crate::Sizes::of($columns, &$config).words },
+            { $config.sizes($columns).numbers },
+            { $config.sizes($columns).halves },
+            { $config.sizes($columns).words },
             { $areas },
         >
     };

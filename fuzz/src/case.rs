@@ -1,10 +1,13 @@
-//! Scans and configurations: mostly such as there are, so that more than refusals and missing returns is seen, with any bits
-//! in any place.
+//! Scans and configurations: mostly such as there are, so that more than refusals and missing
+//! returns is seen, with any bits in any place.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use scanseg_core::{Config, Element, PlaneSegmenter, TurnAxis, live_labels};
+use scanseg_core::{
+    AnyConfig, AnySegmenter, Approach, ConfigError, EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace,
+    TurnAxis, live_labels,
+};
 use scanseg_tests::scenes::scan_of;
-use scanseg_tests::stream::{Angles, Approach, Rig, Room, Scan};
+use scanseg_tests::stream::{Angles, Rig, Room, Scan};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Three chunks of columns, and some more.
@@ -23,26 +26,47 @@ pub struct Case {
     pub usual_beams: bool,
 }
 
-/// A configuration that owns its traces.
+/// A configuration of each approach, with the same ranging.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    config: Config<'static>,
-    traces: Vec<scanseg_core::Trace>,
+    pub ranging: Ranging,
+    edge: EdgeConfig<'static>,
+    traces: Vec<Trace>,
+    pub region: RegionConfig,
 }
 
 impl Settings {
-    pub fn config(&self) -> Config<'_> {
-        Config { traces: &self.traces, ..self.config }
+    pub fn plane(&self) -> PlaneConfig {
+        PlaneConfig::new(self.ranging)
+    }
+
+    pub fn edge(&self) -> EdgeConfig<'_> {
+        self.edge.with_traces(&self.traces)
+    }
+
+    pub fn config(&self, approach: Approach) -> AnyConfig<'_> {
+        match approach {
+            Approach::Plane => self.plane().into(),
+            Approach::Edge => self.edge().into(),
+            Approach::Region => self.region.into(),
+        }
     }
 }
+
+/// All approaches.
+pub const APPROACHES: [Approach; 3] = [Approach::Plane, Approach::Edge, Approach::Region];
 
 impl Case {
     /// Whether every row can be taken by a segmenter of this configuration.
     pub fn is_taken(&self) -> bool {
-        let config = self.settings.config();
-        let mut room = Room::new(self.scan.columns, &config, self.areas);
-        let made = PlaneSegmenter::new(config, self.scan.beams(), self.scan.columns, room.memory());
-        made.is_ok() && self.scan.turn_rad.iter().all(|turn_rad| (-6300.0..=6300.0).contains(turn_rad))
+        let refused = self.refused(self.settings.config(self.approach));
+        refused.is_none() && self.scan.turn_rad.iter().all(|turn_rad| (-6300.0..=6300.0).contains(turn_rad))
+    }
+
+    /// Why there is no segmenter of a configuration for the scan; None if there is one.
+    pub fn refused(&self, config: AnyConfig<'_>) -> Option<ConfigError> {
+        let mut room = Room::new(self.scan.columns, config, self.areas);
+        AnySegmenter::new(config, self.scan.beams(), self.scan.columns, room.memory()).err()
     }
 
     /// Room for every label.
@@ -53,7 +77,7 @@ impl Case {
 
 impl Arbitrary<'_> for Case {
     fn arbitrary(u: &mut Unstructured) -> Result<Case> {
-        let approach = [Approach::Plane, Approach::Edge, Approach::Region][usize::from(u.arbitrary::<u8>()? % 3)];
+        let approach = APPROACHES[usize::from(u.arbitrary::<u8>()? % 3)];
         let settings = Settings::arbitrary(u)?;
         let columns = usize::from(u.arbitrary::<u8>()?) % (MAX_COLUMNS + 1);
         let rows = usize::from(u.arbitrary::<u8>()?) % (MAX_ROWS + 1);
@@ -97,18 +121,17 @@ impl Numbers<'_, '_, '_> {
 impl Arbitrary<'_> for Settings {
     fn arbitrary(u: &mut Unstructured) -> Result<Settings> {
         let mut numbers = Numbers { u, usual: &mut true };
-        let config = Config {
-            range_noise_m: numbers.one_of(&[0.01, 0.0, 0.002, 0.3])?,
-            min_range_m: numbers.one_of(&[0.05, 1.0, 1e-6])?,
-            max_range_m: numbers.one_of(&[100.0, 5.0, 500.0])?,
-            traces: &[],
-            roof_angle_rad: numbers.one_of(&[20f32.to_radians(), 4f32.to_radians(), 1.0, PI])?,
-            step_angle_rad: numbers.one_of(&[6f32.to_radians(), 0.0, 0.5, FRAC_PI_2])?,
-            closing: if numbers.u.arbitrary()? { Element::Square } else { Element::Plus },
-            line_angle_rad: numbers.one_of(&[3f32.to_radians(), 10f32.to_radians(), 0.8, FRAC_PI_2])?,
-            plane_distance_m: numbers.one_of(&[0.005, 0.0, 0.05, 1.0])?,
-        };
-        use scanseg_core::Trace;
+        let ranging = Ranging::new(numbers.one_of(&[0.01, 0.0, 0.002, 0.3])?)
+            .with_limits(numbers.one_of(&[0.05, 1.0, 1e-6])?, numbers.one_of(&[100.0, 5.0, 500.0])?);
+        let edge = EdgeConfig::paper()
+            .with_ranging(ranging)
+            .with_roof_angle_rad(numbers.one_of(&[20f32.to_radians(), 4f32.to_radians(), 1.0, PI])?)
+            .with_step_angle_rad(numbers.one_of(&[6f32.to_radians(), 0.0, 0.5, FRAC_PI_2])?)
+            .with_closing(if numbers.u.arbitrary()? { Element::Square } else { Element::Plus });
+        let region = RegionConfig::paper()
+            .with_ranging(ranging)
+            .with_line_angle_rad(numbers.one_of(&[3f32.to_radians(), 10f32.to_radians(), 0.8, FRAC_PI_2])?)
+            .with_plane_distance_m(numbers.one_of(&[0.005, 0.0, 0.05, 1.0])?);
         let mut traces = vec![Trace::ROW, Trace::COLUMN];
         if u.ratio(1u8, 2u8)? {
             traces.resize(usize::from(u.arbitrary::<u8>()? % 10), Trace::DIAGONAL);
@@ -116,7 +139,7 @@ impl Arbitrary<'_> for Settings {
                 *trace = Trace { rows: u.arbitrary::<u8>()? % 18, columns: u.arbitrary()? };
             }
         }
-        Ok(Settings { config, traces })
+        Ok(Settings { ranging, edge, traces, region })
     }
 }
 
@@ -173,8 +196,8 @@ fn turns(angles: &mut Numbers, rows: usize) -> Result<Vec<f32>> {
     (0..rows).map(turn).collect()
 }
 
-/// Ranges, pixel by pixel: a byte chooses one of four planes and the noise, or what is no range. A row may repeat the bytes
-/// of the row above.
+/// Ranges, pixel by pixel: a byte chooses one of four planes and the noise, or what is no range. A
+/// row may repeat the bytes of the row above.
 fn draw(u: &mut Unstructured, scan: &mut Scan) -> Result<()> {
     let mut planes = [[1.0, 0.0, 0.0, 2.0]; 4];
     for [x, y, z, distance_m] in &mut planes {

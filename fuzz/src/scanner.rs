@@ -1,8 +1,8 @@
 //! Settings of an LMS 2xx, and streams of its telegrams with what goes wrong on a line.
 
-use crate::hal_tests::{frame, scan_payload};
 use arbitrary::{Arbitrary, Result, Unstructured};
-use scanseg_hal::lms2xx::{Baud, MeasuringMode, SCAN, SUB_RANGE, Settings, Unit, Variant};
+use scanseg_hal::lms2xx::{Baud, MeasuringMode, SCAN_LINE, SUB_RANGE, Settings, Unit, Variant};
+use scanseg_virtual_rig::telegrams::{frame, scan_payload};
 
 pub const VARIANTS: [Variant; 5] =
     [Variant::Deg180Step1, Variant::Deg100Step1, Variant::Deg180Step05, Variant::Deg100Step05, Variant::Deg100Step025];
@@ -93,14 +93,14 @@ impl Piece {
                 return vec![0x02, 0x80, low, high, code];
             }
             Piece::Scan { index_bytes, status, fill, turn, damage } => {
-                let turns = variant.turns();
+                let turns = variant.mirror_turns();
                 let quarter = (u16::from(*turn) % turns * 4 / turns) as u8;
                 let (count, bits) = match variant.partial_columns(quarter) {
                     Some(count) if settings.interlaced => (count, 0x2000 | u16::from(quarter) << 11),
                     _ => (variant.columns(), 0),
                 };
                 let index_bytes = vec![0x55; usize::from(index_bytes % 3).min(401 - usize::from(count))];
-                (scan_payload(&[SCAN], count | bits | unit, &fill.values(count), &index_bytes, *status), damage)
+                (scan_payload(&[SCAN_LINE], count | bits | unit, &fill.values(count), &index_bytes, *status), damage)
             }
             Piece::SubRange { first, count, status, fill, damage } => {
                 let (first, count) = (1 + first % 401, u16::from(*count));

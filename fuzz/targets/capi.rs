@@ -1,14 +1,14 @@
-//! Calls of the library for C: what it gives out is what the core gives, whatever else was asked for in between, and what must
-//! not be asked for is answered with a status.
+//! Calls of the library for C: what it gives out is what the core gives, whatever else was asked
+//! for in between, and what must not be asked for is answered with a status.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use scanseg_capi::*;
-use scanseg_core::{Join, Pixel, PlaneSegmenter, Segment, TurnAxis};
-use scanseg_fuzz::capi_tests::{Session, bad_field, defaults, output, state_size};
-use scanseg_fuzz::case::Case;
-use scanseg_tests::stream::{self, Angles, Approach, Rig, Room, Scan};
+use scanseg_capi_tests::{Session, bad_field, defaults, output, state_size};
+use scanseg_core::{Approach, Element, Join, Pixel, Segment, TurnAxis};
+use scanseg_fuzz::case::{APPROACHES, Case};
+use scanseg_tests::stream::{self, Angles, Rig, Scan};
 use std::ffi::c_void;
 use std::ptr::null_mut;
 
@@ -69,7 +69,7 @@ impl Arbitrary<'_> for Calls {
 
 /// As C has the configuration of a case, whose angles stay where they are.
 fn config(case: &Case) -> Config {
-    let core = case.settings.config();
+    let (ranging, edge, region) = (case.settings.ranging, case.settings.edge(), case.settings.region);
     let mut config = Config {
         approach: match case.approach {
             Approach::Plane => SCANSEG_PLANE,
@@ -78,18 +78,18 @@ fn config(case: &Case) -> Config {
         },
         columns: case.scan.columns as u32,
         max_labels: case.areas as u32,
-        range_noise_m: core.range_noise_m,
-        min_range_m: core.min_range_m,
-        max_range_m: core.max_range_m,
-        roof_angle_rad: core.roof_angle_rad,
-        step_angle_rad: core.step_angle_rad,
-        closing: if core.closing == scanseg_core::Element::Square { SCANSEG_SQUARE } else { SCANSEG_PLUS },
-        line_angle_rad: core.line_angle_rad,
-        plane_distance_m: core.plane_distance_m,
-        trace_count: core.traces.len() as u32,
+        range_noise_m: ranging.range_noise_m,
+        min_range_m: ranging.min_range_m,
+        max_range_m: ranging.max_range_m,
+        roof_angle_rad: edge.roof_angle_rad,
+        step_angle_rad: edge.step_angle_rad,
+        closing: if edge.closing == Element::Square { SCANSEG_SQUARE } else { SCANSEG_PLUS },
+        line_angle_rad: region.line_angle_rad,
+        plane_distance_m: region.plane_distance_m,
+        trace_count: edge.traces.len() as u32,
         ..defaults()
     };
-    for (to, trace) in config.traces.iter_mut().zip(core.traces) {
+    for (to, trace) in config.traces.iter_mut().zip(edge.traces) {
         *to = Trace { rows: trace.rows, columns: trace.columns };
     }
     let angles = match &case.scan.rig {
@@ -149,7 +149,7 @@ fn set_bits(config: &mut Config, bits: &[(u8, u32)]) {
 
 /// What the core gives, as C has it.
 fn by_core(case: &Case, scan: &Scan) -> (Vec<u32>, Vec<Event>) {
-    let record = scan.record_by(case.approach, &case.settings.config(), case.areas);
+    let record = scan.record(case.settings.config(case.approach), case.areas);
     let label = |pixel: &Pixel| match pixel {
         Pixel::NoReturn => SCANSEG_NO_RETURN,
         Pixel::Edge => SCANSEG_ON_EDGE,
@@ -305,10 +305,9 @@ fuzz_target!(|calls: Calls| {
     }
 });
 
+/// The settings of all approaches are checked, whichever is chosen.
 fn is_taken_by_core(case: &Case) -> bool {
-    let core = case.settings.config();
-    let mut room = Room::new(case.scan.columns, &core, case.areas);
-    PlaneSegmenter::new(core, case.scan.beams(), case.scan.columns, room.memory()).is_ok()
+    APPROACHES.into_iter().all(|approach| case.refused(case.settings.config(approach)).is_none())
 }
 
 /// There is none, or it is a plane.

@@ -1,4 +1,5 @@
-//! What encoders say, on a bus that says anything; quadrature, calibration, and the turn angle of rows.
+//! What encoders say, on a bus that says anything; quadrature, calibration, and the turn angle of
+//! rows.
 #![no_main]
 
 use arbitrary::Arbitrary;
@@ -6,7 +7,7 @@ use embedded_hal::{i2c, spi};
 use libfuzzer_sys::fuzz_target;
 use scanseg_hal::encoder::as5048a::{As5048a, Error as SpiError, answer};
 use scanseg_hal::encoder::as5600::{As5600, Error as I2cError, raw_angle};
-use scanseg_hal::encoder::quadrature::{Edges, Quadrature, turn};
+use scanseg_hal::encoder::quadrature::{EdgeCounter, Quadrature, turn};
 use scanseg_hal::encoder::{Calibration, Direction, Encoder, Tilt};
 use std::collections::VecDeque;
 

@@ -1,8 +1,9 @@
-//! Files that come from elsewhere: an error, or what is written again the same; never more memory than in proportion.
+//! Files that come from elsewhere: an error, or what is written again the same; never more memory
+//! than in proportion.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use scanseg_fuzz::format::{Capture, Geometry, GreyImage, RangeImage};
+use scanseg_formats::{Capture, Geometry, GreyImage, RangeImage};
 
 fuzz_target!(|data: &[u8]| {
     let Some((&kind, data)) = data.split_first() else { return };

@@ -3,7 +3,7 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use scanseg_hal::link::{Decoder, Encoder, MAX_FRAME, Message, PlaneReport, Received, SegmentReport};
+use scanseg_hal::link::{FrameDecoder, FrameEncoder, MAX_FRAME, Message, PlaneReport, Received, SegmentReport};
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Counters, End, ScanFinished, ScanStarted};
 
@@ -100,12 +100,12 @@ fn counters(u: &mut Unstructured) -> Result<Counters> {
 fn same(one: &Message, other: &Message) -> bool {
     let mut frames = [[0; MAX_FRAME]; 2];
     let [a, b] = &mut frames;
-    Encoder::new().encode(one, a).expect("fits") == Encoder::new().encode(other, b).expect("fits")
+    FrameEncoder::new().encode(one, a).expect("fits") == FrameEncoder::new().encode(other, b).expect("fits")
 }
 
 fuzz_target!(|input: ([u8; 2], Vec<Part>)| {
     let (chunks, parts) = input;
-    let (mut encoder, mut bytes) = (Encoder::new(), Vec::new());
+    let (mut encoder, mut bytes) = (FrameEncoder::new(), Vec::new());
     // what must arrive, and whether what comes before it may be anything
     let (mut expected, mut is_clean) = (Vec::new(), true);
     for part in &parts {
@@ -130,7 +130,7 @@ fuzz_target!(|input: ([u8; 2], Vec<Part>)| {
         }
     }
     let mut found = Vec::new();
-    let mut decoder = Decoder::new();
+    let mut decoder = FrameDecoder::new();
     decoder.feed(&bytes, |received| found.push(received));
     let mut messages = found.iter().filter_map(|received| match received {
         Received::Message { message, .. } => Some(message),
@@ -145,7 +145,7 @@ fuzz_target!(|input: ([u8; 2], Vec<Part>)| {
 
     // in pieces: NaN is not equal to itself, what is printed is
     let mut in_pieces = Vec::new();
-    let mut decoder = Decoder::new();
+    let mut decoder = FrameDecoder::new();
     let mut rest = &bytes[..];
     for size in chunks.into_iter().cycle().map(|size| 1 + usize::from(size)) {
         let (piece, after) = rest.split_at(size.min(rest.len()));

@@ -1,12 +1,12 @@
-//! Lists of what can be done with a segmenter, in memory that is used again and again: after whatever was done before, a
-//! scan gives what it gives to a fresh segmenter.
+//! Lists of what can be done with a segmenter, in memory that is used again and again: after
+//! whatever was done before, a scan gives what it gives to a fresh segmenter.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use scanseg_core::{Finished, PushError, Status};
-use scanseg_fuzz::case::{Case, Settings};
-use scanseg_tests::stream::{Approach, Record, Room, Scan};
+use scanseg_core::{AnyConfig, AnySegmenter, Finished, PushError, Segmenter, Sizes, Status};
+use scanseg_fuzz::case::{APPROACHES, Case, Settings};
+use scanseg_tests::stream::{Record, Room, Scan};
 
 #[derive(Arbitrary, Clone, Copy, Debug)]
 enum Operation {
@@ -48,100 +48,144 @@ impl Arbitrary<'_> for Operations {
 
 fuzz_target!(|operations: Operations| {
     let Operations { case, other, list } = operations;
-    if case.is_taken() {
-        let mut room = Room::new(case.scan.columns, &case.settings.config(), case.areas);
-        let more = Room::new(case.scan.columns, &other.config(), case.areas);
-        room.ranges.resize(room.ranges.len().max(more.ranges.len()), 0.0);
-        room.bearings.resize(room.bearings.len().max(more.bearings.len()), 0);
-        let (mut approach, mut settings, mut areas) = (case.approach, &case.settings, case.areas);
-        let mut list = list.iter();
-        while let Some((next, with_other, few)) = run(&case.scan, approach, settings, areas, &mut room, &mut list) {
-            approach = [Approach::Plane, Approach::Edge, Approach::Region][usize::from(next % 3)];
-            settings = if with_other { &other } else { &case.settings };
-            areas = 1 + usize::from(few) % case.areas;
-        }
+    if !case.is_taken() {
+        return;
+    }
+    let columns = case.scan.columns;
+    let configs = [&case.settings, &other].map(|settings| APPROACHES.map(|approach| settings.config(approach)));
+    let sizes = configs.as_flattened().iter().map(|config| config.sizes(columns)).reduce(Sizes::max);
+    let mut room = Room::of(Sizes { areas: case.areas, ..sizes.expect("some") });
+    let (mut config, mut areas) = (case.settings.config(case.approach), case.areas);
+    let mut list = list.iter();
+    while let Some((approach, with_other, few)) = run(&case.scan, config, areas, &mut room, &mut list) {
+        config = configs[usize::from(with_other)][usize::from(approach % 3)];
+        areas = 1 + usize::from(few) % case.areas;
     }
 });
 
-/// Runs operations up to [`Operation::Again`].
+/// Runs operations up to [`Operation::Again`], and returns what it asks for.
 fn run(
     scan: &Scan,
-    approach: Approach,
-    settings: &Settings,
+    config: AnyConfig<'_>,
     areas: usize,
     room: &mut Room,
     list: &mut std::slice::Iter<Operation>,
 ) -> Option<(u8, bool, u8)> {
-    let (columns, config) = (scan.columns, settings.config());
     let mut memory = room.memory();
     memory.areas = &mut memory.areas[..areas];
-    let mut segmenter = match approach.segmenter(config, scan.beams(), columns, memory) {
-        Ok(segmenter) => segmenter,
-        Err(_) => {
-            return list.find_map(|operation| match *operation {
-                Operation::Again { approach, other, areas } => Some((approach, other, areas)),
-                _ => None,
-            });
-        }
+    let Ok(segmenter) = AnySegmenter::new(config, scan.beams(), scan.columns, memory) else {
+        return list.find_map(Operation::again);
     };
-    let empty = || (Scan { range_m: vec![], turn_rad: vec![], ..scan.clone() }, Record::default());
-    let (mut pushed, mut record) = empty();
+    let mut trial = Trial { scan, config, areas, segmenter, pushed: no_rows(scan), record: Record::default() };
     for operation in list {
-        let mut push = |ranges_m: &[f32], turn_rad: f32| {
-            let before = record.events.len();
-            match segmenter.push(ranges_m, turn_rad, &mut record) {
-                Ok(status) => {
-                    assert_eq!(ranges_m.len(), columns);
-                    pushed.range_m.extend(ranges_m);
-                    pushed.turn_rad.push(turn_rad);
-                    record.statuses.push(status);
-                    if status == Status::Stopped {
-                        assert_eq!(record.break_at, Some(record.events.len() - 1));
-                        let whole = pushed.record_by(approach, &config, areas);
-                        assert_eq!(record.events, whole.events[..record.events.len()]);
-                        (pushed, record) = empty();
-                    }
-                }
-                Err(error) => {
-                    assert_eq!(record.events.len(), before, "a row that is not taken changes nothing");
-                    match error {
-                        PushError::RowLength { expected, got } => {
-                            assert!((expected, got) == (columns, ranges_m.len()) && expected != got);
-                        }
-                        PushError::TurnAngle { .. } => assert!(!(-6300.0..=6300.0).contains(&turn_rad)),
-                        _ => panic!("{error}"),
-                    }
-                }
-            }
-        };
-        match *operation {
-            Operation::Push(row) if !scan.turn_rad.is_empty() => {
-                let row = usize::from(row) % scan.turn_rad.len();
-                push(scan.row_m(row), scan.turn_rad[row]);
-            }
-            Operation::Push(_) => push(&vec![2.0; columns], 0.0),
-            Operation::PushAll => (0..scan.turn_rad.len()).for_each(|row| push(scan.row_m(row), scan.turn_rad[row])),
-            Operation::Length(length) => push(&vec![2.0; length.into()], 0.0),
-            Operation::Turn(turn_rad) => push(&vec![2.0; columns], turn_rad),
-            Operation::Finish | Operation::FinishToo => {
-                let finished = segmenter.end(&mut record);
-                let whole = pushed.record_by(approach, &config, areas);
-                if finished == Finished::Stopped {
-                    assert_eq!(record.break_at, Some(record.events.len() - 1));
-                    assert_eq!(record.events, whole.events[..record.events.len()]);
-                } else {
-                    (record.finished, record.break_at) = (Some(finished), None);
-                    assert_eq!(record, whole);
-                }
-                (pushed, record) = empty();
-            }
-            Operation::Reset => {
-                segmenter.clear();
-                (pushed, record) = empty();
-            }
-            Operation::Break(after) => record.break_at = Some(record.events.len() + usize::from(after % 64)),
-            Operation::Again { approach, other, areas } => return Some((approach, other, areas)),
+        let again = operation.again();
+        if again.is_some() {
+            return again;
         }
+        trial.perform(operation);
     }
     None
+}
+
+impl Operation {
+    fn again(&self) -> Option<(u8, bool, u8)> {
+        match *self {
+            Operation::Again { approach, other, areas } => Some((approach, other, areas)),
+            _ => None,
+        }
+    }
+}
+
+fn no_rows(scan: &Scan) -> Scan {
+    Scan { range_m: vec![], turn_rad: vec![], ..scan.clone() }
+}
+
+/// A segmenter, the rows that it has taken of its scan, and what it said.
+struct Trial<'a> {
+    scan: &'a Scan,
+    config: AnyConfig<'a>,
+    areas: usize,
+    segmenter: AnySegmenter<'a>,
+    pushed: Scan,
+    record: Record,
+}
+
+impl Trial<'_> {
+    fn perform(&mut self, operation: &Operation) {
+        let columns = self.scan.columns;
+        match *operation {
+            Operation::Push(row) if !self.scan.turn_rad.is_empty() => {
+                self.push_row_of_scan(usize::from(row) % self.scan.turn_rad.len());
+            }
+            Operation::Push(_) => self.push(&vec![2.0; columns], 0.0),
+            Operation::PushAll => (0..self.scan.turn_rad.len()).for_each(|row| self.push_row_of_scan(row)),
+            Operation::Length(length) => self.push(&vec![2.0; length.into()], 0.0),
+            Operation::Turn(turn_rad) => self.push(&vec![2.0; columns], turn_rad),
+            Operation::Finish | Operation::FinishToo => self.finish(),
+            Operation::Reset => {
+                self.segmenter.reset();
+                self.begin();
+            }
+            Operation::Break(after) => self.record.break_at = Some(self.record.events.len() + usize::from(after % 64)),
+            Operation::Again { .. } => {}
+        }
+    }
+
+    /// The next row is the first of a new scan.
+    fn begin(&mut self) {
+        (self.pushed, self.record) = (no_rows(self.scan), Record::default());
+    }
+
+    fn push_row_of_scan(&mut self, row: usize) {
+        self.push(self.scan.row_m(row), self.scan.turn_rad[row]);
+    }
+
+    fn push(&mut self, ranges_m: &[f32], turn_rad: f32) {
+        let (before, columns) = (self.record.events.len(), self.scan.columns);
+        match self.segmenter.push_row(ranges_m, turn_rad, &mut self.record) {
+            Ok(status) => {
+                assert_eq!(ranges_m.len(), columns);
+                self.pushed.range_m.extend(ranges_m);
+                self.pushed.turn_rad.push(turn_rad);
+                self.record.statuses.push(status);
+                if status == Status::Stopped {
+                    self.check_broken_off();
+                    self.begin();
+                }
+            }
+            Err(error) => {
+                assert_eq!(self.record.events.len(), before, "a row that is not taken changes nothing");
+                match error {
+                    PushError::RowLength { expected, got } => {
+                        assert!((expected, got) == (columns, ranges_m.len()) && expected != got);
+                    }
+                    PushError::TurnAngle { .. } => assert!(!(-6300.0..=6300.0).contains(&turn_rad)),
+                    _ => panic!("{error}"),
+                }
+            }
+        }
+    }
+
+    fn finish(&mut self) {
+        let finished = self.segmenter.finish(&mut self.record);
+        if finished == Finished::Stopped {
+            self.check_broken_off();
+        } else {
+            (self.record.finished, self.record.break_at) = (Some(finished), None);
+            assert_eq!(self.record, self.fresh());
+        }
+        self.begin();
+    }
+
+    /// What a fresh segmenter says of the rows.
+    fn fresh(&self) -> Record {
+        self.pushed.record(self.config, self.areas)
+    }
+
+    /// Up to where the sink broke off, all is as in the whole scan.
+    fn check_broken_off(&self) {
+        let count = self.record.events.len();
+        assert_eq!(self.record.break_at, Some(count - 1));
+        assert_eq!(self.record.events, self.fresh().events[..count]);
+    }
 }

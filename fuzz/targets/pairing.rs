@@ -1,11 +1,13 @@
-//! The tilt sampled at any times: whatever row gets a turn angle gets the right one, if the tilt moves evenly.
+//! The tilt sampled at any times: whatever row gets a turn angle gets the right one, if the tilt
+//! moves evenly.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use scanseg_fuzz::scanner::{Piece, settings};
-use scanseg_hal::lms2xx::{Decoder, Settings};
-use scanseg_hal::pairing::{Latch, Pairing, Sweep};
+use scanseg_hal::Latch;
+use scanseg_hal::lms2xx::{Settings, TelegramDecoder};
+use scanseg_hal::pairing::{BeamAges, Pairing};
 
 #[derive(Arbitrary, Debug)]
 enum Event {
@@ -43,11 +45,11 @@ impl Arbitrary<'_> for Input {
 
 fuzz_target!(|input: Input| {
     let Input { settings, telegram, rate, from_rad, events } = input;
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     _ = decoder.feed(&telegram);
     _ = decoder.feed(telegram.get(1..).unwrap_or(&[]));
-    let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan()) else { return };
-    let sweep = Sweep::of(&scan, settings.variant);
+    let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan_line()) else { return };
+    let sweep = BeamAges::of(&scan, settings.variant);
     let period_us = f64::from(settings.period_us());
     let rate_rad_per_us = f64::from(rate) / 128.0 * std::f64::consts::PI / (2.5 * period_us);
     let at_rad = |time_us: f64| f64::from(from_rad) + rate_rad_per_us * time_us;

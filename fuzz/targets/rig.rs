@@ -1,13 +1,14 @@
-//! A rig that is told anything: the counters agree with what was seen, and no row comes that cannot be the next of its scan.
+//! A rig that is told anything: the counters agree with what was seen, and no row comes that cannot
+//! be the next of its scan.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use scanseg_core::{Finished, Label, LabelRow, Moments, PushError, Segment, Sink, Status};
+use scanseg_core::{Finished, Label, LabelRow, MAX_ROWS, Moments, PushError, Segment, Segmenter, Sink, Status};
 use scanseg_fuzz::scanner::{Damage, Fill, Piece, settings};
+use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{Session, Settings, Trouble};
-use scanseg_hal::pairing::Latch;
-use scanseg_hal::rig::{Dropped, Rig, RigSink, RowSegmenter, ScanFinished, ScanStarted, TiltLimits};
+use scanseg_hal::rig::{Dropped, Rig, RigSink, ScanFinished, ScanStarted, TiltLimits};
 use std::cell::Cell;
 use std::f32::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -67,7 +68,7 @@ impl Arbitrary<'_> for Input {
 }
 
 /// Checks the rows of a scan, and answers as it is told to.
-struct Segmenter {
+struct Checker {
     columns: usize,
     /// Of the rows of this scan, whether taken or not.
     turns_rad: Vec<f32>,
@@ -78,12 +79,12 @@ struct Segmenter {
     segments: u32,
 }
 
-impl RowSegmenter for Segmenter {
-    fn push_row(
+impl Segmenter for Checker {
+    fn push_row<S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
         turn_rad: f32,
-        sink: &mut impl Sink,
+        sink: &mut S,
     ) -> std::result::Result<Status, PushError> {
         assert_eq!(ranges_m.len(), self.columns);
         assert!(ranges_m.iter().all(|range_m| range_m.is_finite() && *range_m >= 0.0) && turn_rad.is_finite());
@@ -99,7 +100,7 @@ impl RowSegmenter for Segmenter {
             match answer % 4 {
                 0 => {}
                 1 => return Ok(Status::Stopped),
-                2 if self.turns_rad.len() > 1 => return Err(PushError::TooManyRows),
+                2 if self.turns_rad.len() > 1 => return Err(PushError::TooManyRows { max_rows: MAX_ROWS }),
                 _ => return Err(PushError::TurnAngle { turn_rad }),
             }
         }
@@ -116,8 +117,16 @@ impl RowSegmenter for Segmenter {
         Ok(Status::Buffered)
     }
 
-    fn finish(&mut self, _: &mut impl Sink) -> Finished {
+    fn finish<S: Sink + ?Sized>(&mut self, _: &mut S) -> Finished {
         Finished::Complete { rows: std::mem::take(&mut self.turns_rad).len(), unlabelled: 0 }
+    }
+
+    fn reset(&mut self) {
+        self.turns_rad.clear();
+    }
+
+    fn latency_rows(&self) -> usize {
+        0
     }
 }
 
@@ -168,7 +177,7 @@ fuzz_target!(|input: Input| {
     let mut rows_m = vec![f32::NAN; 2 * columns - usize::from(!room)];
     let one_way = limits.max_rate_rad_per_s * 1e-6 * (limits.pause_us as f32) < 3.0;
     let answer = Rc::new(Cell::new((usize::MAX, 0)));
-    let segmenter = Segmenter { columns, turns_rad: vec![], one_way, answer: Rc::clone(&answer), segments: 0 };
+    let segmenter = Checker { columns, turns_rad: vec![], one_way, answer: Rc::clone(&answer), segments: 0 };
     let Ok(mut rig) = Rig::new(settings, limits, segmenter, &mut rows_m) else { return };
     let mut session = Session::listening(settings);
     let mut seen = Seen::default();
@@ -177,7 +186,7 @@ fuzz_target!(|input: Input| {
     let (mut now_us, mut turn_rad, mut rate_rad_per_s) = (1_000_000_u64, 0.0_f32, 0.4_f32);
     let (mut bytes, mut rejected) = (0, 0);
     for step in steps {
-        let mut receive = |rig: &mut Rig<'_, Segmenter>, came: &[u8], now_us: u64, seen: &mut Seen| {
+        let mut receive = |rig: &mut Rig<'_, Checker>, came: &[u8], now_us: u64, seen: &mut Seen| {
             rig.receive(&mut session, came, now_us, seen);
             bytes += came.len() as u64;
         };

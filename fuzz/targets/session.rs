@@ -1,13 +1,14 @@
-//! A session that is told anything at any time; and with a scanner that does some things wrong and then none: it runs.
+//! A session that is told anything at any time; and with a scanner that does some things wrong and
+//! then none: it runs.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use scanseg_fuzz::scanner::{Piece, settings};
-use scanseg_fuzz::virtual_rig::lms2xx::{Beam, Mishap, VirtualLms};
-use scanseg_fuzz::virtual_rig::wires::Faults;
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{Action, Baud, Phase, Session, SessionEvent, Settings};
+use scanseg_virtual_rig::telegrams::frame;
+use scanseg_virtual_rig::{Beam, Mishap, VirtualLms, WireFaults};
 
 #[derive(Arbitrary, Debug)]
 enum Step {
@@ -72,7 +73,7 @@ fn anything(settings: Settings, listening: bool, mut now_ms: u32, steps: &[Step]
             Step::Came(piece) => feed(&mut session, now_ms, &piece.bytes(&settings)),
             Step::Answer { code, data } => {
                 let piece = [&[*code][..], &data[..data.len().min(100)], &[0x10]].concat();
-                feed(&mut session, now_ms, &[&[0x06], &scanseg_fuzz::hal_tests::frame(&piece)[..]].concat());
+                feed(&mut session, now_ms, &[&[0x06], &frame(&piece)[..]].concat());
             }
             Step::Good => {
                 feed(&mut session, now_ms, &good_answer(&command, &settings));
@@ -98,7 +99,7 @@ fn good_answer(command: &[u8], settings: &Settings) -> Vec<u8> {
         0x77 => vec![1],
         _ => vec![],
     };
-    [&[0x06], &scanseg_fuzz::hal_tests::frame(&[&[code + 0x80][..], &data, &[0x10]].concat())[..]].concat()
+    [&[0x06], &frame(&[&[code + 0x80][..], &data, &[0x10]].concat())[..]].concat()
 }
 
 fn poll(session: &mut Session, now_ms: &mut u32, command: &mut Vec<u8>) {
@@ -125,13 +126,13 @@ fn feed(session: &mut Session, now_ms: u32, mut bytes: &[u8]) {
         match event {
             SessionEvent::NeedMore => return assert!(bytes.is_empty()),
             SessionEvent::Start { .. } | SessionEvent::Rejected(_) => assert_eq!(session.phase(), Phase::Running),
-            SessionEvent::Scan => check_scan(session),
+            SessionEvent::ScanLine => check_scan(session),
         }
     }
 }
 
 fn check_scan(session: &Session) {
-    let (settings, scan) = (session.settings(), session.scan().expect("a scan"));
+    let (settings, scan) = (session.settings(), session.scan_line().expect("a scan"));
     let columns = match scan.partial_quarter() {
         None => Some(settings.variant.columns()),
         Some(quarter) => settings.variant.partial_columns(quarter),
@@ -148,7 +149,7 @@ fn scanner(settings: Settings, running: bool, mishaps: Vec<Mishap>, faults: [u8;
     }
     lms.mishaps = mishaps.into();
     let [drop_one_in, flip_one_in, insert_one_in] = faults.map(|one_in| 8 * u32::from(one_in));
-    lms.wires.faults = Faults { drop_one_in, flip_one_in, insert_one_in, ..Faults::default() };
+    lms.wires.faults = WireFaults { drop_one_in, flip_one_in, insert_one_in, ..WireFaults::default() };
     let mut session = Session::new(settings);
     let (mut port, mut now_us, mut scans) = (Baud::B9600, 0, 0);
     let good_from_us = 5_000_000;
@@ -156,7 +157,7 @@ fn scanner(settings: Settings, running: bool, mishaps: Vec<Mishap>, faults: [u8;
     while scans < 3 {
         if !is_good && now_us >= good_from_us {
             is_good = true;
-            lms.wires.faults = Faults::default();
+            lms.wires.faults = WireFaults::default();
             lms.mishaps.clear();
             if cycle {
                 lms.power_cycle(now_us);
@@ -181,7 +182,7 @@ fn scanner(settings: Settings, running: bool, mishaps: Vec<Mishap>, faults: [u8;
                     rest = &rest[used..];
                     match event {
                         SessionEvent::NeedMore => break,
-                        SessionEvent::Scan => {
+                        SessionEvent::ScanLine => {
                             check_scan(&session);
                             scans += u32::from(is_good);
                         }

@@ -1,13 +1,13 @@
-//! Streams of telegrams in pieces of any size: what comes out does not depend on the pieces, and a telegram that is good by
-//! itself is found whatever came before it.
+//! Streams of telegrams in pieces of any size: what comes out does not depend on the pieces, and a
+//! telegram that is good by itself is found whatever came before it.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use scanseg_fuzz::hal_tests::{decode, telegrams, telegrams_by_themselves};
 use scanseg_fuzz::scanner::{Piece, VARIANTS, settings};
-use scanseg_hal::lms2xx::{Decoder, Event, Settings};
-use scanseg_hal::pairing::Sweep;
+use scanseg_hal::lms2xx::{Event, Settings, TelegramDecoder};
+use scanseg_hal::pairing::BeamAges;
+use scanseg_virtual_rig::telegrams::{decode, telegrams, telegrams_by_themselves};
 
 /// Longer streams only take longer.
 const MAX_BYTES: usize = 4000;
@@ -49,16 +49,16 @@ fuzz_target!(|stream: Stream| {
 
 /// Everything that can be asked of a telegram.
 fn read(bytes: &[u8], settings: &Settings) {
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     _ = decoder.feed(bytes);
     assert!(matches!(decoder.feed(&bytes[1..]).event, Event::Telegram { .. }));
-    let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan()) else { return };
+    let Some(scan) = decoder.telegram().and_then(|telegram| telegram.scan_line()) else { return };
     assert_eq!(scan.words().len(), usize::from(scan.columns()));
     for beam in scan.beams(settings.mode) {
         _ = beam.range_mm(scan.unit());
     }
     for variant in VARIANTS {
-        let sweep = Sweep::of(&scan, variant);
+        let sweep = BeamAges::of(&scan, variant);
         let ages_us: Vec<f32> = (0..sweep.columns()).map(|column| sweep.age_us(column)).collect();
         assert!(ages_us.iter().chain([&sweep.mean_age_us(), &sweep.age_us(u16::MAX)]).all(|age_us| age_us.is_finite()));
     }

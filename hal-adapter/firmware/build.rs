@@ -1,4 +1,5 @@
-//! Puts the machine's memory layout where cortex-m-rt's linker script looks for it, and says which machine it is.
+//! Puts the machine's memory layout where cortex-m-rt's linker script looks for it, and says which
+//! machine it is.
 use std::{env, error::Error, fs, path::PathBuf};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,60 +1,64 @@
-//! Scanner and tilt-encoder drivers for the range-image segmentation of `scanseg-core`: `no_std`, no allocation.
+//! Drivers for a scanner on a tilt, and the path from their bytes to the segments of `scanseg-core`:
+//! `no_std`, no allocation.
 //!
-//! - [`lms2xx`]: the SICK LMS 2xx line scanner. A telegram decoder and a session that need no port (bytes and
-//!   milliseconds in, bytes and waits out), and thin shells around them for embedded-io, blocking and async.
-//! - [`encoder`]: tilt encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature counts; and their calibration.
-//! - [`pairing`]: which turn angle belongs to a scan line, and to each beam within it.
-//!
+//! - [`lms2xx`]: the SICK LMS 2xx line scanner. A telegram decoder and a session that need no port,
+//!   and a scanner on an embedded-io port, blocking or async.
+//! - [`encoder`]: angle encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature; and their
+//!   calibration.
+//! - [`pairing`]: the turn angle of a scan line, and of each beam within it.
 //! - [`rig`]: scanner, tilt and segmenter together: bytes in, segments out.
-//! - [`link`]: the results as frames of bytes, for a serial line to a host.
+//! - `link`: the results as frames of bytes, for a serial port to a host.
 //!
-//! A board with a scanner and an encoder:
+//! # Features
+//! - `link`: the module `link`, and with it postcard, serde, cobs and crc. Not a default.
+//! - `defmt`: `defmt::Format` on the public plain types.
+//!
+//! # Example
+//! A board with a scanner and an angle encoder:
 //!
 //! ```
 //! use embedded_hal::delay::DelayNs;
+//! use scanseg_core::Segmenter;
 //! use scanseg_hal::Clock;
 //! use scanseg_hal::encoder::{Encoder, Tilt};
 //! use scanseg_hal::lms2xx::{Error, Scanner, blocking::Port};
-//! use scanseg_hal::rig::{Rig, RigSink, RowSegmenter};
+//! use scanseg_hal::rig::{Rig, RigSink};
 //!
 //! fn run<P: Port, C: Clock, D: DelayNs, E: Encoder>(
 //!     mut scanner: Scanner<P, C, D>,
 //!     mut tilt: Tilt<E>,
 //!     mut clock: impl Clock,
-//!     mut rig: Rig<impl RowSegmenter>,
+//!     mut rig: Rig<impl Segmenter>,
 //!     mut sink: impl RigSink,
 //! ) -> Result<(), Error<P::Error>> {
 //!     loop {
 //!         let event = scanner.next_event()?;
 //!         rig.tilt(tilt.read(&mut clock).ok());
-//!         rig.handle(event, scanner.scan(), &mut sink);
+//!         rig.handle(event, scanner.scan_line(), &mut sink);
 //!         rig.idle(clock.now_us(), &mut sink);
 //!     }
 //! }
 //! ```
 #![no_std]
+#![deny(missing_debug_implementations)]
+// Arrays of known length are indexed by `[i]`, slices by checked access (`get`, patterns, iterators):
+// no panic routine is left in an image. The core keeps the same rule.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod bytes;
+mod clock;
 pub mod encoder;
+mod latch;
+#[cfg(feature = "link")]
 pub mod link;
 pub mod lms2xx;
 pub mod pairing;
 pub mod rig;
 
-/// A clock that the shells read.
-pub trait Clock {
-    /// Microseconds since any moment, never falling.
-    fn now_us(&mut self) -> u64;
-}
+pub use clock::Clock;
+pub use latch::Latch;
 
-impl<F: FnMut() -> u64> Clock for F {
-    fn now_us(&mut self) -> u64 {
-        self()
-    }
-}
-
-/// `copy_from_slice`, but of two lengths the shorter counts: the check of the lengths is a panic, left in the code wherever
-/// the compiler does not see that they are equal.
-pub(crate) fn copy(to: &mut [u8], from: &[u8]) {
-    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
-}
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,16 +1,19 @@
-//! The frames of the link: the documented bytes, every message through any pieces, and what damage does.
+//! The frames of the link: the documented bytes, every message through any pieces, and what damage
+//! does.
 
 use proptest::prelude::*;
-use scanseg_hal::link::{Decoder, Encoder, FrameTooLong, MAX_FRAME, Message, PlaneReport, Received, SegmentReport};
+use scanseg_hal::link::{
+    FrameDecoder, FrameEncoder, FrameTooLong, MAX_FRAME, Message, PlaneReport, Received, SegmentReport,
+};
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Counters, End, ScanFinished, ScanStarted};
 
-fn frame(encoder: &mut Encoder, message: &Message) -> Vec<u8> {
+fn frame(encoder: &mut FrameEncoder, message: &Message) -> Vec<u8> {
     let mut buffer = [0xAA; MAX_FRAME];
     encoder.encode(message, &mut buffer).expect("fits").to_vec()
 }
 
-fn feed(decoder: &mut Decoder, bytes: &[u8], piece: usize) -> Vec<Received> {
+fn feed(decoder: &mut FrameDecoder, bytes: &[u8], piece: usize) -> Vec<Received> {
     let mut all = vec![];
     for piece in bytes.chunks(piece) {
         decoder.feed(piece, |received| all.push(received));
@@ -88,7 +91,7 @@ fn crc(bytes: &[u8]) -> u32 {
 /// The bytes in the documentation of the module.
 #[test]
 fn worked_example() {
-    let mut encoder = Encoder::new();
+    let mut encoder = FrameEncoder::new();
     let hello = frame(&mut encoder, &Message::Hello { version: 1 });
     assert_eq!(hello, [0x00, 0x01, 0x01, 0x06, 0x01, 0x84, 0xE9, 0x46, 0x88, 0x00]);
     (1..5).for_each(|_| _ = frame(&mut encoder, &Message::Hello { version: 1 }));
@@ -99,7 +102,7 @@ fn worked_example() {
 
 /// What is in frame 0 with this message, without COBS: sequence, message and CRC.
 fn content(message: &Message) -> Vec<u8> {
-    let mut frame = frame(&mut Encoder::new(), message);
+    let mut frame = frame(&mut FrameEncoder::new(), message);
     let [0, coded @ .., 0] = &mut frame[..] else { panic!("no boundaries") };
     let length = cobs::decode_in_place(coded).expect("COBS");
     coded[..length].to_vec()
@@ -109,8 +112,8 @@ fn hex(text: &str) -> Vec<u8> {
     text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("hex")).collect()
 }
 
-/// Every kind of message, byte for byte as the documentation of the module says. These were made from it by hand, without
-/// the code.
+/// Every kind of message, byte for byte as the documentation of the module says. These were made
+/// from it by hand, without the code.
 #[test]
 fn bytes_of_every_message() {
     let counters = Counters {
@@ -157,7 +160,7 @@ fn bytes_of_every_message() {
             covariance: std::array::from_fn(|i| i as f32 / 8.0),
         }),
     };
-    let mut encoder = Encoder::new();
+    let mut encoder = FrameEncoder::new();
     // Sequence numbers of one byte and of two.
     (0..120).for_each(|_| _ = frame(&mut encoder, &Message::Hello { version: 1 }));
     for (message, bytes) in [
@@ -215,10 +218,10 @@ fn messages_are_postcard() {
 
 #[test]
 fn every_message_in_pieces_of_any_size() {
-    let mut encoder = Encoder::new();
+    let mut encoder = FrameEncoder::new();
     let bytes: Vec<u8> = messages().iter().flat_map(|message| frame(&mut encoder, message)).collect();
     for piece in [1, 2, 3, 7, 50, 128, bytes.len()] {
-        let all = feed(&mut Decoder::new(), &bytes, piece);
+        let all = feed(&mut FrameDecoder::new(), &bytes, piece);
         assert_eq!(all, messages().into_iter().map(|m| message(0, m)).collect::<Vec<_>>());
     }
 }
@@ -226,7 +229,7 @@ fn every_message_in_pieces_of_any_size() {
 #[test]
 fn longest_frames_fit() {
     // Sequence numbers of three bytes; under Miri of two.
-    let mut encoder = Encoder::new();
+    let mut encoder = FrameEncoder::new();
     (0..if cfg!(miri) { 200 } else { 20_000 }).for_each(|_| _ = frame(&mut encoder, &Message::Hello { version: 1 }));
     let finished =
         ScanFinished { number: u32::MAX, end: End::Asked, rows: u16::MAX, unlabelled: u32::MAX, counters: FULL };
@@ -239,12 +242,13 @@ fn longest_frames_fit() {
         assert_eq!(encoder.encode(&longest, &mut vec![0; size]), Err(FrameTooLong), "{size} of {length} bytes");
     }
     assert_eq!(frame(&mut encoder, &longest), frame(&mut before, &longest), "what did not fit was not counted");
+    assert_eq!(FrameTooLong.to_string(), "frame does not fit its memory; 128 bytes are enough");
 }
 
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn lost_frames_are_counted_across_the_wrap() {
-    let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
+    let (mut encoder, mut decoder) = (FrameEncoder::new(), FrameDecoder::new());
     let join = Message::Join { from: 2, into: 1 };
     for number in 0..65_600u32 {
         let bytes = frame(&mut encoder, &join);
@@ -260,19 +264,19 @@ fn lost_frames_are_counted_across_the_wrap() {
         }
     }
     // The board restarts.
-    let bytes = frame(&mut Encoder::new(), &Message::Hello { version: 1 });
+    let bytes = frame(&mut FrameEncoder::new(), &Message::Hello { version: 1 });
     assert_eq!(feed(&mut decoder, &bytes, 5), [message(0, Message::Hello { version: 1 })]);
 }
 
 #[test]
 fn garbage_before_between_and_instead() {
-    let mut encoder = Encoder::new();
+    let mut encoder = FrameEncoder::new();
     let [a, b, c] = [1, 2, 3].map(|from| frame(&mut encoder, &Message::Join { from, into: 0 }));
     let long = [0x55; 3 * MAX_FRAME];
     // The end of b is lost.
     let bytes = [b"boot v1\r\n", &a[..], &long, &b[..b.len() - 3], &c, &[0, 0, 1, 0, 3, 1, 0]].concat();
     for piece in [1, 4, 1000] {
-        let found = feed(&mut Decoder::new(), &bytes, piece);
+        let found = feed(&mut FrameDecoder::new(), &bytes, piece);
         assert_eq!(found[0], Received::Damaged { bytes: 9 });
         assert_eq!(found[1], message(0, Message::Join { from: 1, into: 0 }));
         assert_eq!(found[2], Received::Damaged { bytes: long.len() });
@@ -288,8 +292,8 @@ proptest! {
     fn floats_travel_bit_for_bit(bits: u32, piece in 1..200usize) {
         let bits = bits - bits % 3;
         let sent = segment(bits);
-        let bytes = frame(&mut Encoder::new(), &sent);
-        let found = feed(&mut Decoder::new(), &bytes, piece);
+        let bytes = frame(&mut FrameEncoder::new(), &sent);
+        let found = feed(&mut FrameDecoder::new(), &bytes, piece);
         let [Received::Message { lost: 0, message: Message::Segment(found) }] = found[..] else { panic!("{found:?}") };
         let Message::Segment(sent) = sent else { unreachable!() };
         let floats = |s: &SegmentReport| {
@@ -304,7 +308,7 @@ proptest! {
     /// Damage to one frame of three: it is never taken for a message, and its neighbours arrive.
     #[test]
     fn damage_is_found(at in 0..1000usize, flip in 1..=255u8, kind in 0..3) {
-        let mut encoder = Encoder::new();
+        let mut encoder = FrameEncoder::new();
         let [before, hit, after] = [1, 2, 3].map(|from| frame(&mut encoder, &Message::Join { from, into: 0 }));
         let mut damaged = hit.clone();
         let at = 1 + at % (hit.len() - 2);
@@ -313,7 +317,7 @@ proptest! {
             1 => _ = damaged.remove(at),
             _ => damaged.insert(at, flip),
         }
-        let found = feed(&mut Decoder::new(), &[before, damaged, after].concat(), 9);
+        let found = feed(&mut FrameDecoder::new(), &[before, damaged, after].concat(), 9);
         let good: Vec<_> = found.iter().filter(|r| matches!(r, Received::Message { .. })).copied().collect();
         prop_assert_eq!(good, [
             message(0, Message::Join { from: 1, into: 0 }),
@@ -324,7 +328,7 @@ proptest! {
     /// Any bytes at all: no panic, no message.
     #[test]
     fn noise(bytes in proptest::collection::vec(prop_oneof![Just(0u8), any::<u8>()], 0..if cfg!(miri) { 30 } else { 2000 })) {
-        let found = feed(&mut Decoder::new(), &bytes, 64);
+        let found = feed(&mut FrameDecoder::new(), &bytes, 64);
         let messages = found.iter().filter(|received| matches!(received, Received::Message { .. })).count();
         prop_assert_eq!(messages, 0);
     }

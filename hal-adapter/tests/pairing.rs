@@ -1,11 +1,12 @@
 //! When beams were measured, and which turn angle they get.
 
+use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::crc::check_word;
-use scanseg_hal::lms2xx::{Baud, Decoder, Event, MeasuringMode, Settings, Unit, Variant};
-use scanseg_hal::pairing::{Latch, MIRROR_TURN_US, Pairing, Sweep};
+use scanseg_hal::lms2xx::{Baud, Event, MeasuringMode, Settings, TelegramDecoder, Unit, Variant};
+use scanseg_hal::pairing::{BeamAges, MIRROR_TURN_US, Pairing};
 
 /// The sweep of a scan with this code, what stands before the count word, and this count word.
-fn sweep(head: &[u8], count_word: u16, variant: Variant) -> Sweep {
+fn sweep(head: &[u8], count_word: u16, variant: Variant) -> BeamAges {
     let mut bytes = vec![0x02, 0x80];
     let length = head.len() as u16 + 2 + 2 * (count_word & 0x3FF) + 1;
     bytes.extend(length.to_le_bytes());
@@ -14,11 +15,11 @@ fn sweep(head: &[u8], count_word: u16, variant: Variant) -> Sweep {
     bytes.resize(4 + usize::from(length) - 1, 0);
     bytes.push(0x10);
     bytes.extend(check_word(&bytes).to_le_bytes());
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     let begun = decoder.feed(&bytes);
     let done = decoder.feed(&bytes[begun.used..]);
     assert_eq!(done.event, Event::Telegram { code: head[0] });
-    Sweep::of(&decoder.telegram().expect("telegram").scan().expect("scan"), variant)
+    BeamAges::of(&decoder.telegram().expect("telegram").scan_line().expect("scan"), variant)
 }
 
 fn close(found: f32, expected: f32) {
@@ -49,13 +50,15 @@ fn ages() {
     assert_eq!(whole_degrees.age_us(180), 0.0);
     close(half_degrees.age_us(179), MIRROR_TURN_US * 0.5 / 360.0);
     close(half_degrees.age_us(0), MIRROR_TURN_US * 179.5 / 360.0);
-    // A sub-range counts its columns from its own first: here 90 to 99, of which 89 and 90 from zero.
+    // A sub-range counts its columns from its own first: here 90 to 99, of which 89 and 90 from
+    // zero.
     let part = sweep(&[0xB7, 90, 0, 99, 0], 10, Variant::Deg180Step05);
     assert_eq!(part.age_us(0), two.age_us(89));
     assert_eq!(part.age_us(1), two.age_us(90));
 }
 
-/// Of a sub-range of columns that the variant does not have, the age of the row is still the mean of those of its columns.
+/// Of a sub-range of columns that the variant does not have, the age of the row is still the mean
+/// of those of its columns.
 #[test]
 fn ages_of_a_telegram_that_is_not_of_the_variant() {
     let beyond = sweep(&[0xB7, 0x49, 0x01, 0x4A, 0x01], 2, Variant::Deg100Step05);
@@ -117,8 +120,9 @@ fn rows() {
     assert_eq!(pairing.row(sweep), None);
 }
 
-/// The tilt is sampled at each start byte, and every so often besides: on a tilt that turns evenly the angle is always the
-/// true one. Also if the telegram is only found later, when the search goes back.
+/// The tilt is sampled at each start byte, and every so often besides: on a tilt that turns evenly
+/// the angle is always the true one. Also if the telegram is only found later, when the search goes
+/// back.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn sampled_at_any_pace() {

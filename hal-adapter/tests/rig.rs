@@ -1,14 +1,17 @@
-//! What a rig is told besides good telegrams of its own scanner; the whole chain is tested on the virtual rig.
+//! What a rig is told besides good telegrams of its own scanner; the whole chain is tested on the
+//! virtual rig.
 
 use core::ops::ControlFlow;
 
-use scanseg_core::{Finished, LabelRow, PushError, Sink, Status};
+use scanseg_core::{
+    EdgeConfig, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status, buffers,
+};
+use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
-    Baud, Decoder, Event, MeasuringMode, ScannerEvent, Settings, TelegramError, Trouble, Unit, Variant,
+    Baud, Event, MeasuringMode, ScannerEvent, Settings, TelegramDecoder, TelegramError, Trouble, Unit, Variant,
 };
-use scanseg_hal::pairing::Latch;
-use scanseg_hal::rig::{Dropped, End, Rig, RigSink, RowSegmenter, ScanFinished, TiltLimits};
+use scanseg_hal::rig::{Dropped, End, Rig, RigSink, ScanFinished, ScanStarted, TiltLimits, beams};
 
 const SETTINGS: Settings = Settings {
     baud: Baud::B500000,
@@ -24,15 +27,23 @@ const LIMITS: TiltLimits =
 /// Breaks off at the second row.
 struct Stops(usize);
 
-impl RowSegmenter for Stops {
-    fn push_row(&mut self, _: &[f32], _: f32, _: &mut impl Sink) -> Result<Status, PushError> {
+impl Segmenter for Stops {
+    fn push_row<S: Sink + ?Sized>(&mut self, _: &[f32], _: f32, _: &mut S) -> Result<Status, PushError> {
         self.0 += 1;
         Ok(if self.0 < 2 { Status::Buffered } else { Status::Stopped })
     }
 
-    fn finish(&mut self, _: &mut impl Sink) -> Finished {
+    fn finish<S: Sink + ?Sized>(&mut self, _: &mut S) -> Finished {
         self.0 = 0;
         Finished::Stopped
+    }
+
+    fn reset(&mut self) {
+        self.0 = 0;
+    }
+
+    fn latency_rows(&self) -> usize {
+        0
     }
 }
 
@@ -63,19 +74,34 @@ impl RigSink for Seen {
     }
 }
 
-/// A decoder that holds a scan of so many columns.
-fn scan_of(columns: u16) -> Decoder {
+/// A decoder that holds a scan line with these values.
+fn scan_line(values: &[u16]) -> TelegramDecoder {
+    let columns = values.len() as u16;
     let mut bytes = vec![0x02, 0x80];
     bytes.extend((2 * columns + 4).to_le_bytes());
     bytes.push(0xB0);
     bytes.extend((columns | 1 << 14).to_le_bytes());
-    bytes.resize(bytes.len() + 2 * usize::from(columns), 1);
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
     bytes.push(0x10);
     bytes.extend(check_word(&bytes).to_le_bytes());
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     let begun = decoder.feed(&bytes);
     assert_eq!(decoder.feed(&bytes[begun.used..]).event, Event::Telegram { code: 0xB0 });
     decoder
+}
+
+/// Gives a rig the telegram of a row and a sample of a tilt that turns at 1 rad/s.
+fn telegram<S: Segmenter>(
+    rig: &mut Rig<'_, S>,
+    sink: &mut (impl RigSink + ?Sized),
+    row: u64,
+    decoder: &TelegramDecoder,
+) {
+    let time_us = 1_000_000 + row * PERIOD_US;
+    rig.tilt(Some(Latch { turn_rad: 1e-6 * time_us as f32, time_us }));
+    rig.handle(ScannerEvent::Start { time_us }, None, sink);
+    let line = decoder.telegram().and_then(|telegram| telegram.scan_line());
+    rig.handle(ScannerEvent::ScanLine, line, sink);
 }
 
 #[test]
@@ -83,21 +109,14 @@ fn what_a_rig_is_told() {
     let mut rows_m = [0.0; 2 * 181];
     let mut rig = Rig::new(SETTINGS, LIMITS, Stops(0), &mut rows_m).expect("rig");
     let mut seen = Seen::default();
-    let (own, other) = (scan_of(181), scan_of(361));
-    let telegram = |rig: &mut Rig<'_, Stops>, seen: &mut Seen, row: u64, decoder: &Decoder| {
-        let time_us = 1_000_000 + row * PERIOD_US;
-        rig.tilt(Some(Latch { turn_rad: 1e-6 * time_us as f32, time_us }));
-        rig.handle(ScannerEvent::Start { time_us }, None, seen);
-        let scan = decoder.telegram().and_then(|telegram| telegram.scan());
-        rig.handle(ScannerEvent::Scan, scan, seen);
-    };
+    let (own, other) = (scan_line(&[257; 181]), scan_line(&[257; 361]));
     for row in 0..3 {
         telegram(&mut rig, &mut seen, row, &own);
     }
     telegram(&mut rig, &mut seen, 3, &other);
     telegram(&mut rig, &mut seen, 4, &own);
     assert_eq!(seen.dropped, [Dropped::NoTurn, Dropped::Columns, Dropped::Stopped]);
-    rig.handle(ScannerEvent::Scan, None, &mut seen);
+    rig.handle(ScannerEvent::ScanLine, None, &mut seen);
     rig.handle(ScannerEvent::Rejected(TelegramError::Status(0x17)), None, &mut seen);
     rig.tilt(None);
     rig.handle(ScannerEvent::Trouble(Trouble::Silent), None, &mut seen);
@@ -109,4 +128,80 @@ fn what_a_rig_is_told() {
     assert_eq!((counters.columns, counters.stopped, counters.no_turn), (1, 1, 1));
     assert_eq!((counters.rejected, counters.encoder_errors, counters.troubles, counters.lost), (1, 1, 1, 0));
     assert_eq!(rig.release().0, 0);
+}
+
+/// Counts the calls of each method.
+#[derive(Debug, Default, PartialEq)]
+struct Calls([usize; 8]);
+
+impl Sink for Calls {
+    fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
+        self.0[0] += 1;
+        ControlFlow::Continue(())
+    }
+
+    fn join(&mut self, _: Join) -> ControlFlow<()> {
+        self.0[1] += 1;
+        ControlFlow::Continue(())
+    }
+
+    fn segment(&mut self, _: &Segment) -> ControlFlow<()> {
+        self.0[2] += 1;
+        ControlFlow::Continue(())
+    }
+
+    fn edges(&mut self, _: &EdgeRow<'_>) -> ControlFlow<()> {
+        self.0[3] += 1;
+        ControlFlow::Continue(())
+    }
+}
+
+impl RigSink for Calls {
+    fn scan_started(&mut self, _: &ScanStarted) {
+        self.0[4] += 1;
+    }
+
+    fn row_dropped(&mut self, _: Dropped) {
+        self.0[5] += 1;
+    }
+
+    fn scan_finished(&mut self, _: &ScanFinished) {
+        self.0[6] += 1;
+    }
+
+    fn trouble(&mut self, _: Trouble) {
+        self.0[7] += 1;
+    }
+}
+
+/// Two areas that join below a gap, each call of the segmenter and of the rig once at least.
+fn calls<S: RigSink + ?Sized>(sink: &mut S) {
+    const COLUMNS: usize = SETTINGS.variant.columns() as usize;
+    const CONFIG: EdgeConfig = EdgeConfig::paper();
+    let mut buffers = <buffers!(COLUMNS, CONFIG)>::EMPTY;
+    let mut rows_m = [0.0; 2 * COLUMNS];
+    let segmenter = EdgeSegmenter::new(CONFIG, beams(SETTINGS.variant), COLUMNS, buffers.memory()).expect("segmenter");
+    let mut rig = Rig::new(SETTINGS, LIMITS, segmenter, &mut rows_m).expect("rig");
+    let mut gap = [2000; COLUMNS];
+    gap[85..95].fill(0);
+    let (gap, whole) = (scan_line(&gap), scan_line(&[2000; COLUMNS]));
+    for row in 0..20 {
+        telegram(&mut rig, sink, row, if row < 10 { &gap } else { &whole });
+    }
+    rig.trouble(Trouble::Silent, sink);
+}
+
+/// The rig's own sink between the segmenter and the user's, and references to sinks, forward every
+/// call.
+#[test]
+fn no_call_is_lost() {
+    let mut direct = Calls::default();
+    calls(&mut direct);
+    assert_eq!(direct.0[0], 19, "a row each but for the first telegram, which has no rate yet");
+    assert!(direct.0.iter().all(|&calls| calls > 0), "{direct:?}");
+    let mut forwarded = Calls::default();
+    let mut reference: &mut dyn RigSink = &mut forwarded;
+    calls::<&mut dyn RigSink>(&mut reference);
+    calls::<dyn RigSink>(reference);
+    assert_eq!(forwarded, Calls(direct.0.map(|calls| 2 * calls)));
 }

@@ -1,10 +1,8 @@
 //! Streams of telegrams with junk between them, in pieces of any size.
 
-mod common;
-
-use common::{Seen, decode, frame, scan_payload, telegrams, telegrams_by_themselves};
 use proptest::prelude::*;
-use scanseg_hal::lms2xx::{Decoder, Event, ScanFormat, Unit, Variant};
+use scanseg_hal::lms2xx::{Event, ScanLineFormat, TelegramDecoder, Unit, Variant};
+use scanseg_virtual_rig::telegrams::{Seen, decode, frame, scan_payload, telegrams, telegrams_by_themselves};
 
 fn any_variant() -> impl Strategy<Value = Variant> {
     use Variant::{Deg100Step1, Deg100Step05, Deg100Step025, Deg180Step1, Deg180Step05};
@@ -80,7 +78,8 @@ fn junk() -> impl Strategy<Value = Vec<u8>> {
     ]
 }
 
-/// `Start` tells its distance from the last byte used: where it is in the stream must not depend on the pieces.
+/// `Start` tells its distance from the last byte used: where it is in the stream must not depend on
+/// the pieces.
 fn stream() -> impl Strategy<Value = (Vec<Vec<u8>>, Vec<u8>)> {
     prop::collection::vec((junk(), telegram()), 1..5).prop_map(|parts| {
         let bytes = parts.iter().flat_map(|(junk, telegram)| junk.iter().chain(telegram)).copied().collect();
@@ -100,7 +99,8 @@ proptest! {
         prop_assert_eq!(telegrams(&whole), telegrams_by_themselves(&bytes, None));
     }
 
-    /// Junk can hide a telegram only by being, with the telegram's first bytes, a good telegram itself.
+    /// Junk can hide a telegram only by being, with the telegram's first bytes, a good telegram
+    /// itself.
     #[test]
     #[cfg_attr(miri, ignore = "slow")]
     fn no_good_telegram_is_lost((sent, bytes) in stream(), pieces in prop::collection::vec(1usize..900, 1..6)) {
@@ -122,19 +122,20 @@ proptest! {
         let words = &words[..variant.columns().into()];
         let bytes = frame(&scan_payload(&[0xB0], variant.columns() | unit << 14, words, &[], status));
         let unit = [Unit::Centimetre, Unit::Millimetre, Unit::Decimetre][usize::from(unit)];
-        let mut decoder = Decoder::new();
-        decoder.expect_scans(Some(ScanFormat { variant, unit, interlaced: false }));
+        let mut decoder = TelegramDecoder::new();
+        decoder.expect_scan_lines(Some(ScanLineFormat { variant, unit, interlaced: false }));
         let first = decoder.feed(&bytes);
         prop_assert_eq!((first.used, first.event), (1, Event::Start { bytes_ago: 0 }));
         let second = decoder.feed(&bytes[1..]);
         prop_assert_eq!((second.used, second.event), (bytes.len() - 1, Event::Telegram { code: 0xB0 }));
-        let scan = decoder.telegram().expect("telegram").scan().expect("scan");
+        let scan = decoder.telegram().expect("telegram").scan_line().expect("scan");
         prop_assert_eq!((scan.unit(), scan.status().0), (unit, status));
         prop_assert_eq!(scan.words().collect::<Vec<_>>(), words);
     }
 }
 
-/// One telegram of every kind after one kind of junk each, in one piece, byte by byte, and in pieces of two sizes.
+/// One telegram of every kind after one kind of junk each, in one piece, byte by byte, and in
+/// pieces of two sizes.
 #[test]
 fn every_kind_among_junk() {
     let values = |count| (0..count).map(|i| [0x8002, 0x0015, 0xB000, 1234][i % 4]).collect::<Vec<u16>>();
@@ -159,7 +160,8 @@ fn every_kind_among_junk() {
     assert_eq!(decode(&bytes, &[300, 7], None), whole);
 }
 
-/// Two whole telegrams within the claimed length of a false one both come out, and the starts are told with their distance.
+/// Two whole telegrams within the claimed length of a false one both come out, and the starts are
+/// told with their distance.
 #[test]
 fn telegrams_inside_a_false_one() {
     let inner = [frame(&[0xA0, 0x00, 0x10]), frame(&[0xBB, 0x01, 0x10])].concat();

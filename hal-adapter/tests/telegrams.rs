@@ -3,11 +3,12 @@
 use scanseg_hal::lms2xx::command::{Answer, Command, Configuration, MODE_ANSWER, POWER_ON};
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
-    Baud, Beam, Decoder, Event, MeasuringMode, Reading, ScanError, ScanFormat, Severity, TelegramError, Unit, Variant,
+    Baud, Beam, Event, MeasuringMode, Reading, ScanLineError, ScanLineFormat, Severity, TelegramDecoder, TelegramError,
+    Unit, Variant,
 };
 
 /// All events of these bytes but `NeedMore`.
-fn events(decoder: &mut Decoder, mut bytes: &[u8]) -> Vec<Event> {
+fn events(decoder: &mut TelegramDecoder, mut bytes: &[u8]) -> Vec<Event> {
     let mut events = Vec::new();
     loop {
         let fed = decoder.feed(bytes);
@@ -20,7 +21,7 @@ fn events(decoder: &mut Decoder, mut bytes: &[u8]) -> Vec<Event> {
 }
 
 /// Feeds up to the first telegram.
-fn telegram(decoder: &mut Decoder, mut bytes: &[u8]) {
+fn telegram(decoder: &mut TelegramDecoder, mut bytes: &[u8]) {
     loop {
         let fed = decoder.feed(bytes);
         bytes = &bytes[fed.used..];
@@ -82,7 +83,8 @@ fn configuration_commands() {
         expected.extend(hex(check));
         assert_eq!(sent.as_slice(), expected);
     }
-    // The scanner of the first telegram in centimetres, changed to that of the second: only one byte differs.
+    // The scanner of the first telegram in centimetres, changed to that of the second: only one
+    // byte differs.
     let cm = Configuration::new(&hex(&format!("00 00 46 00 00 00 00 {tail}"))).expect("32 bytes");
     let mm = Configuration::new(&hex(&format!("00 00 46 00 00 00 01 {tail}"))).expect("32 bytes");
     assert_eq!(cm.with(MeasuringMode::Range8Fields, Unit::Millimetre), mm);
@@ -99,7 +101,7 @@ fn mode_answers() {
         ("06 02 80 03 00 A0 00 30 36 0A", 2, true),
         ("06 02 80 03 00 A0 00 18 1E 0A", 3, false),
     ] {
-        let mut decoder = Decoder::new();
+        let mut decoder = TelegramDecoder::new();
         let bytes = hex(bytes);
         let expected = [Event::Ack, Event::Start { bytes_ago: 0 }, Event::Telegram { code: MODE_ANSWER }];
         assert_eq!(events(&mut decoder, &bytes), expected);
@@ -110,7 +112,7 @@ fn mode_answers() {
         assert_eq!(found.status().severity(), Some(Severity::Ok));
         assert_eq!((found.status().device(), found.status().restarting()), (device, restarting));
         assert!(!found.status().implausible() && !found.status().polluted());
-        assert!(found.scan().is_none());
+        assert!(found.scan_line().is_none());
         assert_eq!(Command::Start.answer(&found), Some(Answer::Done));
         assert_eq!(Command::Type.answer(&found), None);
     }
@@ -126,7 +128,7 @@ fn variant_answers() {
         (Deg180Step1, "B4 00 64 00 10 5B 30"),
         (Deg180Step05, "B4 00 32 00 10 03 9D"),
     ] {
-        let mut decoder = Decoder::new();
+        let mut decoder = TelegramDecoder::new();
         telegram(&mut decoder, &hex(&format!("06 02 80 07 00 BB 01 {rest}")));
         let found = decoder.telegram().expect("telegram");
         assert_eq!(Command::SetVariant(variant).answer(&found), Some(Answer::Done));
@@ -138,19 +140,20 @@ fn variant_answers() {
 #[test]
 fn power_on() {
     let bytes = hex("02 80 17 00 90 4C 4D 53 32 30 30 3B 33 30 31 30 36 33 3B 56 30 32 2E 31 30 20 10 63 5E");
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     telegram(&mut decoder, &bytes);
     let found = decoder.telegram().expect("telegram");
     assert_eq!(found.code(), POWER_ON);
     assert_eq!(found.data(), b"LMS200;301063;V02.10 ");
 }
 
-/// This answer is quoted in a driver with a length that does not fit and a wrong check word: it must not pass.
+/// This answer is quoted in a driver with a length that does not fit and a wrong check word: it
+/// must not pass.
 #[test]
 fn damaged_quotation() {
     let bytes = hex("06 02 80 25 00 F7 00 00 00 46 00 00 0D 00 00 00 02 02 00 00 00 00 00 00 00 00 00 00 00 00 00 00 \
                      00 00 00 00 00 00 00 00 02 CB 10 00 00");
-    let mut decoder = Decoder::new();
+    let mut decoder = TelegramDecoder::new();
     let events = events(&mut decoder, &bytes);
     assert!(matches!(events[2], Event::Rejected(TelegramError::CheckWord { .. })));
     assert!(!events.iter().any(|event| matches!(event, Event::Telegram { .. })));
@@ -166,17 +169,18 @@ fn recorded_scan() -> Option<(Vec<u8>, Vec<u16>)> {
     Some((bytes, expected.split_whitespace().map(|mm| mm.parse().expect("number")).collect()))
 }
 
-const RECORDED: ScanFormat = ScanFormat { variant: Variant::Deg180Step05, unit: Unit::Millimetre, interlaced: false };
+const RECORDED: ScanLineFormat =
+    ScanLineFormat { variant: Variant::Deg180Step05, unit: Unit::Millimetre, interlaced: false };
 
 #[test]
 #[cfg_attr(miri, ignore = "reads a file")]
 fn recorded_scan_decodes_exactly() {
     let Some((bytes, expected)) = recorded_scan() else { return };
     assert_eq!((bytes.len(), expected.len()), (732, 361));
-    let mut decoder = Decoder::new();
-    decoder.expect_scans(Some(RECORDED));
+    let mut decoder = TelegramDecoder::new();
+    decoder.expect_scan_lines(Some(RECORDED));
     telegram(&mut decoder, &bytes);
-    let scan = decoder.telegram().expect("telegram").scan().expect("scan");
+    let scan = decoder.telegram().expect("telegram").scan_line().expect("scan");
     assert_eq!((scan.columns(), scan.first_column(), scan.unit()), (361, 0, Unit::Millimetre));
     assert_eq!((scan.partial_quarter(), scan.index_bytes()), (None, &[][..]));
     assert_eq!(scan.status().0, 0x10);
@@ -195,19 +199,20 @@ fn recorded_scan_decodes_exactly() {
 fn recorded_scan_against_other_formats() {
     let Some((bytes, _)) = recorded_scan() else { return };
     for (format, error) in [
-        (ScanFormat { variant: Variant::Deg180Step1, ..RECORDED }, ScanError::Count(361)),
-        (ScanFormat { unit: Unit::Centimetre, ..RECORDED }, ScanError::Unit(1)),
-        (ScanFormat { interlaced: true, ..RECORDED }, ScanError::Partial { partial: false, quarter: 0 }),
+        (ScanLineFormat { variant: Variant::Deg180Step1, ..RECORDED }, ScanLineError::Count(361)),
+        (ScanLineFormat { unit: Unit::Centimetre, ..RECORDED }, ScanLineError::Unit(1)),
+        (ScanLineFormat { interlaced: true, ..RECORDED }, ScanLineError::Partial { partial: false, quarter: 0 }),
     ] {
-        let mut decoder = Decoder::new();
-        decoder.expect_scans(Some(format));
+        let mut decoder = TelegramDecoder::new();
+        decoder.expect_scan_lines(Some(format));
         let events = events(&mut decoder, &bytes);
-        assert_eq!(events[1], Event::Rejected(TelegramError::Scan(error)));
+        assert_eq!(events[1], Event::Rejected(TelegramError::ScanLine(error)));
         assert!(!events.iter().any(|event| matches!(event, Event::Telegram { .. })));
     }
 }
 
-/// Errors that the check word cannot see, all of them: of a scan that passes none but the values can have suffered.
+/// Errors that the check word cannot see, all of them: of a scan that passes none but the values
+/// can have suffered.
 #[test]
 #[cfg_attr(miri, ignore = "reads a file")]
 fn blind_spots_of_the_check_word() {
@@ -218,12 +223,12 @@ fn blind_spots_of_the_check_word() {
             let mut bad = bytes.clone();
             bad[byte] ^= 1 << bit;
             bad[byte + 1] ^= 2 << bit;
-            let mut decoder = Decoder::new();
-            decoder.expect_scans(Some(RECORDED));
+            let mut decoder = TelegramDecoder::new();
+            decoder.expect_scan_lines(Some(RECORDED));
             if events(&mut decoder, &bad).iter().any(|event| matches!(event, Event::Telegram { .. })) {
                 passed += 1;
                 telegram(&mut decoder, &bad);
-                let Some(scan) = decoder.telegram().expect("telegram").scan() else {
+                let Some(scan) = decoder.telegram().expect("telegram").scan_line() else {
                     assert!(byte == 4 || byte == 3, "it is the code that suffered: the telegram is no scan any more");
                     continue;
                 };
@@ -253,7 +258,7 @@ fn scan_of(count_word: u16, values: usize, status: u8) -> Vec<u8> {
 }
 
 fn rejection(bytes: &[u8]) -> Option<TelegramError> {
-    events(&mut Decoder::new(), bytes).into_iter().find_map(|event| match event {
+    events(&mut TelegramDecoder::new(), bytes).into_iter().find_map(|event| match event {
         Event::Rejected(error) => Some(error),
         _ => None,
     })
@@ -263,7 +268,7 @@ fn rejection(bytes: &[u8]) -> Option<TelegramError> {
 #[test]
 fn poor_answers() {
     let answer = |command: Command, payload: &[u8]| {
-        let mut decoder = Decoder::new();
+        let mut decoder = TelegramDecoder::new();
         telegram(&mut decoder, &framed(payload));
         command.answer(&decoder.telegram().expect("telegram"))
     };
@@ -278,8 +283,8 @@ fn poor_answers() {
 /// All with a right check word.
 #[test]
 fn contradictions_are_rejected() {
-    use ScanError::{Count, Length, Partial, SubRange, TooShort};
-    let scan = |error| Some(TelegramError::Scan(error));
+    use ScanLineError::{Count, Length, Partial, SubRange, TooShort};
+    let scan = |error| Some(TelegramError::ScanLine(error));
     let unit_mm = 1 << 14;
     assert_eq!(rejection(&scan_of(181 | unit_mm, 181, 0x10)), None);
     assert_eq!(rejection(&scan_of(181 | unit_mm, 180, 0x10)), scan(Length { length: 364, count: 181 }));
@@ -291,7 +296,7 @@ fn contradictions_are_rejected() {
     assert_eq!(rejection(&scan_of(181 | 0x3000 | unit_mm, 181, 0x10)), scan(Count(181)));
     assert_eq!(rejection(&scan_of(361 | 0x2000 | unit_mm, 361, 0x10)), scan(Count(361)));
     assert_eq!(rejection(&scan_of(181 | 0x0800, 181, 0x10)), scan(Partial { partial: false, quarter: 1 }));
-    assert_eq!(rejection(&scan_of(181 | 3 << 14, 181, 0x10)), scan(ScanError::Unit(3)));
+    assert_eq!(rejection(&scan_of(181 | 3 << 14, 181, 0x10)), scan(ScanLineError::Unit(3)));
     for status in (0..=u8::MAX).step_by(if cfg!(miri) { 51 } else { 1 }) {
         let expected = (status & 7 > 4).then_some(TelegramError::Status(status));
         assert_eq!(rejection(&scan_of(181, 181, status)), expected);
@@ -361,12 +366,12 @@ fn special_values_are_kept_apart() {
 
 #[test]
 fn status_bits() {
-    use scanseg_hal::lms2xx::Status;
+    use scanseg_hal::lms2xx::ScannerStatus;
     let severities = [Severity::Ok, Severity::Info, Severity::Warning, Severity::Error, Severity::Fatal];
     for (bits, severity) in (0u8..).zip(severities) {
-        assert_eq!(Status(bits | 0x10).severity(), Some(severity));
+        assert_eq!(ScannerStatus(bits | 0x10).severity(), Some(severity));
     }
-    assert_eq!(Status(0x15).severity(), None);
-    assert!(Status(0xC0).implausible() && Status(0xC0).polluted() && !Status(0xC0).restarting());
-    assert!(!Status(0x10).implausible(), "the device bits say nothing of plausibility");
+    assert_eq!(ScannerStatus(0x15).severity(), None);
+    assert!(ScannerStatus(0xC0).implausible() && ScannerStatus(0xC0).polluted() && !ScannerStatus(0xC0).restarting());
+    assert!(!ScannerStatus(0x10).implausible(), "the device bits say nothing of plausibility");
 }

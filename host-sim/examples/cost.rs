@@ -1,25 +1,30 @@
 //! The core alone on one scene, for counting its instructions (`tests/instructions.sh`).
 //!
-//! `cost make ROWS COLUMNS nodding|spinning FILE` writes a scene of the simulated office;
-//! `cost run FILE nodding|spinning plane|edge|region REPEAT` segments it so many times and prints what it found.
+//! `cost make ROWS COLUMNS nodding|spinning FILE` writes a scene of the simulated office; `cost run
+//! FILE nodding|spinning plane|edge|region REPEAT` segments it so many times and prints what it
+//! found.
 //!
-//! A scene file is little endian: u32 rows, u32 columns, f32 column step, f32 row step (radians), then rows x columns f32
-//! ranges in metres, 0 for none; rows and columns centred on straight ahead, the first row up, the first column left.
+//! A scene file is little endian: u32 rows, u32 columns, f32 column step, f32 row step (radians),
+//! then rows x columns f32 ranges in metres, 0 for none; rows and columns centred on straight
+//! ahead, the first row up, the first column left.
 use std::ops::ControlFlow;
 use std::{env, error, fs};
 
-use scanseg_core::{Beams, Columns, Config, LabelRow, Segment, Sink, TurnAxis};
-use scanseg_sim::format::geometry::{Angles, Kind};
+use scanseg_core::{
+    AnyConfig, AnySegmenter, Beams, Columns, EdgeConfig, LabelRow, PlaneConfig, RegionConfig, Segment, Segmenter, Sink,
+    TurnAxis,
+};
+use scanseg_formats::{Angles, Kind};
 use scanseg_sim::office::{Scene, Sensor, Set};
-use scanseg_sim::segmentation::{Approach, OwnedMemory, Segmenter};
+use scanseg_sim::segmentation::OwnedMemory;
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let args: Vec<String> = env::args().skip(1).collect();
     match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["make", rows, columns, kind, file] => make(rows.parse()?, columns.parse()?, kind, file),
-        ["run", file, kind, "plane", repeat] => run(Approach::Plane, file, kind, repeat.parse()?),
-        ["run", file, kind, "edge", repeat] => run(Approach::Edge, file, kind, repeat.parse()?),
-        ["run", file, kind, "region", repeat] => run(Approach::Region, file, kind, repeat.parse()?),
+        ["run", file, kind, "plane", repeat] => run(PlaneConfig::new(EdgeConfig::paper().ranging).into(), file, kind, repeat.parse()?),
+        ["run", file, kind, "edge", repeat] => run(EdgeConfig::paper().into(), file, kind, repeat.parse()?),
+        ["run", file, kind, "region", repeat] => run(RegionConfig::paper().into(), file, kind, repeat.parse()?),
         _ => Err(
             "usage: cost make ROWS COLUMNS nodding|spinning FILE | cost run FILE nodding|spinning plane|edge|region REPEAT"
                 .into(),
@@ -40,7 +45,8 @@ fn make(rows: usize, columns: usize, kind: &str, file: &str) -> Result<(), Box<d
             Kind::Spinning { azimuth_deg, elevation_deg, wraps: false }
         }
     };
-    // 3 % of the distance between neighbouring points at 4 m: noise that the paper's method stands at any resolution
+    // 3 % of the distance between neighbouring points at 4 m: noise that the paper's method stands
+    // at any resolution
     sensor.range_noise_m = 0.03 * 4.0 * h_deg.min(v_deg).to_radians();
     let scan = Scene::numbered(Set::Tuning, 0).scan(&sensor, 1)?;
     let mut bytes = Vec::new();
@@ -72,7 +78,7 @@ impl Sink for Found {
     }
 }
 
-fn run(approach: Approach, file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error>> {
+fn run(config: AnyConfig<'_>, file: &str, kind: &str, repeat: usize) -> Result<(), Box<dyn error::Error>> {
     let bytes = fs::read(file)?;
     let words: Vec<u32> = bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
     let [rows, columns, h_step, v_step, ref data @ ..] = words[..] else { return Err("no scene".into()) };
@@ -85,9 +91,8 @@ fn run(approach: Approach, file: &str, kind: &str, repeat: usize) -> Result<(), 
         "nodding" => Beams::Nodding { columns: beam, axis: TurnAxis::Y },
         _ => Beams::Spinning { columns: beam, wraps: false },
     };
-    let config = Config::paper();
-    let mut memory = OwnedMemory::new(columns, &config, None);
-    let mut segmenter = Segmenter::new(approach, config, beams, columns, memory.memory())?;
+    let mut memory = OwnedMemory::new(config.sizes(columns), None);
+    let mut segmenter = AnySegmenter::new(config, beams, columns, memory.memory())?;
     let mut found = Found::default();
     for _ in 0..repeat {
         found = Found::default();

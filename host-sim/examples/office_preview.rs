@@ -1,5 +1,5 @@
-//! Pictures of the simulated office: `office_preview FOLDER` writes one PNG per scene, the range above and the surfaces
-//! below, left being left.
+//! Pictures of the simulated office: `office_preview FOLDER` writes one PNG per scene, the range
+//! above and the surfaces below, left being left.
 
 use scanseg_sim::office::{SCENES, Scene, Sensor, Set};
 use std::{env, error::Error, fs::File, path::Path};

@@ -1,21 +1,24 @@
-//! How good the default is, and how far from what is possible: correct detections (Hoover, regions of 30 pixels up) on the
-//! tuning and the validation scenes at 0, 5 and 10 mm of range noise, beside what perfect answers would reach; and the
-//! recorded scans of `../shared/data` that have known planes, where they are there.
+//! How good the default is, and how far from what is possible: correct detections (Hoover, regions
+//! of 30 pixels up) on the tuning and the validation scenes at 0, 5 and 10 mm of range noise,
+//! beside what perfect answers would reach; and the recorded scans of `../shared/data` that have
+//! known planes, where they are there.
 //!
-//! `quality` prints all, `quality default` the default on the simulated scenes and the recorded scans only.
+//! `quality` prints all, `quality default` the default on the simulated scenes and the recorded
+//! scans only.
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::{env, error, thread};
 
-use scanseg_core::Config;
-use scanseg_sim::format::{Geometry, GreyImage, RangeImage};
+use scanseg_core::{PlaneConfig, Ranging};
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::hoover::{Hoover, Overlaps};
 use scanseg_sim::office::{SCENES, Scene, Sensor, Set};
-use scanseg_sim::segmentation::{Approach, Segmentation};
+use scanseg_sim::segmentation::Segmentation;
 
 const MIN_PIXELS: usize = 30;
 
-/// Standard deviation of the jumps of the turn angle that the encoder does not tell: more than half of a row.
+/// Standard deviation of the jumps of the turn angle that the encoder does not tell: more than half
+/// of a row.
 const SEAMS_DEG: f64 = 0.3;
 
 type Labels = fn(&RangeImage, &Geometry, &[u16], f32) -> Vec<u16>;
@@ -78,9 +81,9 @@ fn classes(truth: &[u16], labels: &[u16]) -> [Hoover; 2] {
 }
 
 fn segmented(ranges: &RangeImage, geometry: &Geometry, noise_m: f32) -> Vec<u16> {
-    let mut config = Config::new(noise_m);
-    config.min_range_m = geometry.min_range_m.map_or(config.min_range_m, |m| m as f32);
-    let found = Segmentation::of(ranges, geometry, Approach::Plane, &config, None, || ()).expect("a scan that fits");
+    let mut ranging = Ranging::new(noise_m);
+    ranging.min_range_m = geometry.min_range_m.map_or(ranging.min_range_m, |m| m as f32);
+    let found = Segmentation::of(ranges, geometry, PlaneConfig::new(ranging), None, || ()).expect("a scan that fits");
     found.numbers(MIN_PIXELS as u32).iter().map(|&number| number as u16).collect()
 }
 
@@ -107,7 +110,8 @@ fn pieces(ranges: &RangeImage, truth: &[u16], kept: impl Fn(usize) -> bool) -> V
     labels
 }
 
-/// The pieces between pixels that have a neighbour on another surface; those pixels belong to nobody, or are given back.
+/// The pieces between pixels that have a neighbour on another surface; those pixels belong to
+/// nobody, or are given back.
 fn edges(ranges: &RangeImage, truth: &[u16], given_back: bool) -> Vec<u16> {
     let inner = |pixel: usize| neighbours(ranges, pixel).all(|other| truth[other] == truth[pixel]);
     let mut labels = pieces(ranges, truth, inner);
@@ -163,8 +167,8 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
     Ok(())
 }
 
-/// For each plane of so many pixels the intersection over union of the segment that fits best; pixels on no plane do not
-/// count.
+/// For each plane of so many pixels the intersection over union of the segment that fits best;
+/// pixels on no plane do not count.
 fn best_overlaps(planes: &[u16], labels: &[u16], pixels: u32) -> Vec<f64> {
     let (mut plane_of, mut segment_of, mut both) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
     for (&plane, &label) in planes.iter().zip(labels).filter(|(plane, _)| **plane != 0) {

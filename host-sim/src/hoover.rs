@@ -1,20 +1,24 @@
-//! How well a segmentation matches the ground truth: the five classes of Hoover et al. 1996, "An experimental
-//! comparison of range image segmentation algorithms" (IEEE PAMI 18(7)).
+//! How well a segmentation matches the ground truth: the five classes of Hoover et al. 1996, "An
+//! experimental comparison of range image segmentation algorithms" (IEEE PAMI 18(7)).
 //!
-//! A truth region N has P_n pixels, a segment M has P_m, and they share O. With a tolerance 0.5 < T <= 1:
+//! A truth region N has P_n pixels, a segment M has P_m, and they share O. With a tolerance 0.5 < T
+//! <= 1:
 //!
 //! - correct detection: O >= T P_m and O >= T P_n;
-//! - over-segmentation of N: the segments with O >= T P_m number two or more, and together cover T P_n;
-//! - under-segmentation by M: the truth regions with O >= T P_n number two or more, and together cover T P_m;
+//! - over-segmentation of N: the segments with O >= T P_m number two or more, and together cover T
+//!   P_n;
+//! - under-segmentation by M: the truth regions with O >= T P_n number two or more, and together
+//!   cover T P_m;
 //! - missed: truth regions in no instance of these three;
 //! - noise: segments in no instance of these three.
 //!
-//! A region may stand in one instance only. Instances are taken in the order of falling average of their two ratios
-//! (see [`Instance::average`]); one that needs a region already taken is dropped whole. Averages that agree to 1e-9
-//! are ties: correct detection goes before over-segmentation before under-segmentation, then the lower truth id, then
-//! the lower segment id.
+//! A region may stand in one instance only. Instances are taken in the order of falling average of
+//! their two ratios (see [`Instance::average`]); one that needs a region already taken is dropped
+//! whole. Averages that agree to 1e-9 are ties: correct detection goes before over-segmentation
+//! before under-segmentation, then the lower truth id, then the lower segment id.
 //!
-//! `>=` holds at exact equality even where T P is not exact in binary: the comparison allows 1e-9 P.
+//! `>=` holds at exact equality even where T P is not exact in binary: the comparison allows 1e-9
+//! P.
 
 use std::{collections::BTreeMap, error, fmt};
 
@@ -38,8 +42,9 @@ pub struct Instance {
     pub truth: Vec<u16>,
     /// Ids of its segments, rising: several for over-segmentation, otherwise one.
     pub segments: Vec<u16>,
-    /// (mean of the single ratios + ratio of the sum) / 2, in (0.5, 1]. Correct: (O / P_m + O / P_n) / 2.
-    /// Over-segmentation: (mean of O / P_m + sum of O / P_n) / 2. Under-segmentation: the same with m and n exchanged.
+    /// (mean of the single ratios + ratio of the sum) / 2, in (0.5, 1]. Correct: (O / P_m + O /
+    /// P_n) / 2. Over-segmentation: (mean of O / P_m + sum of O / P_n) / 2. Under-segmentation: the
+    /// same with m and n exchanged.
     pub average: f64,
 }
 
@@ -56,8 +61,8 @@ pub struct Hoover {
     pub correct: usize,
     /// Instances of over-segmentation, which is the number of truth regions over-segmented.
     pub over_segmented: usize,
-    /// Instances of under-segmentation, which is the number of segments that under-segment. The truth regions that
-    /// they swallow are twice as many or more.
+    /// Instances of under-segmentation, which is the number of segments that under-segment. The
+    /// truth regions that they swallow are twice as many or more.
     pub under_segmented: usize,
     /// Truth regions in no instance.
     pub missed: usize,
@@ -94,7 +99,8 @@ impl fmt::Display for HooverError {
 
 impl error::Error for HooverError {}
 
-/// Truth ids paired with segment ids and the pixels they share: all that the classes need, at any tolerance.
+/// Truth ids paired with segment ids and the pixels they share: all that the classes need, at any
+/// tolerance.
 #[derive(Clone, Debug)]
 pub struct Overlaps {
     /// Pixels of each truth region considered.
@@ -108,9 +114,10 @@ pub struct Overlaps {
 impl Overlaps {
     /// Counts the pixels of two label images of one shape, row by row.
     ///
-    /// 0 is no region in either image, yet its pixels count in the area of the region on the other side. Truth
-    /// regions and segments of fewer than `min_pixels` pixels are treated like 0; 0 and 1 keep all of them. A region
-    /// is its id: its pixels need not touch. Images that differ in length are an error, empty images are not.
+    /// 0 is no region in either image, yet its pixels count in the area of the region on the other
+    /// side. Truth regions and segments of fewer than `min_pixels` pixels are treated like 0; 0 and
+    /// 1 keep all of them. A region is its id: its pixels need not touch. Images that differ in
+    /// length are an error, empty images are not.
     pub fn new(truth: &[u16], labels: &[u16], min_pixels: usize) -> Result<Self, HooverError> {
         if truth.len() != labels.len() {
             return Err(HooverError::Size { truth: truth.len(), labels: labels.len() });
@@ -170,7 +177,8 @@ impl Overlaps {
         let covers = |shared: u32, area: u32| f64::from(shared) >= (tolerance - 1e-9) * f64::from(area);
         let ratio = |shared: u32, area: u32| f64::from(shared) / f64::from(area);
         let mut instances = Vec::new();
-        // Per truth region the segments that lie in it; per segment the truth regions that lie in it.
+        // Per truth region the segments that lie in it; per segment the truth regions that lie in
+        // it.
         let (mut inside_truth, mut inside_segment) = (BTreeMap::new(), BTreeMap::new());
         for &(n, m, shared) in &self.shared {
             let (n_area, m_area) = (self.truth[&n], self.segments[&m]);
@@ -214,12 +222,14 @@ pub fn evaluate(truth: &[u16], labels: &[u16], tolerance: f64, min_pixels: usize
 mod tests {
     use super::*;
 
-    /// Label image from a drawing: `.` is 0, a letter or digit is its character code; blanks are left out.
+    /// Label image from a drawing: `.` is 0, a letter or digit is its character code; blanks are
+    /// left out.
     fn drawn(art: &str) -> Vec<u16> {
         art.chars().filter(|c| !c.is_whitespace()).map(|c| if c == '.' { 0 } else { c as u16 }).collect()
     }
 
-    /// Instances as text: class, truth ids, segment ids; and the counts, which must agree with them.
+    /// Instances as text: class, truth ids, segment ids; and the counts, which must agree with
+    /// them.
     fn classes(truth: &str, labels: &str, tolerance: f64, min_pixels: usize) -> (String, [usize; 5]) {
         let h = evaluate(&drawn(truth), &drawn(labels), tolerance, min_pixels).unwrap();
         let ids = |ids: &[u16]| ids.iter().map(|&id| char::from(id as u8)).collect::<String>();
@@ -245,7 +255,8 @@ mod tests {
 
     #[test]
     fn pixels_without_a_region_count_in_areas() {
-        // A has 10 px of which a covers 8; a has 10 px of which 2 have no truth. 8/10 both ways: just correct at 0.8.
+        // A has 10 px of which a covers 8; a has 10 px of which 2 have no truth. 8/10 both ways:
+        // just correct at 0.8.
         let (truth, labels) = ("AAAAA AAAAA ..", "..aaa aaaaa aa");
         assert_eq!(classes(truth, labels, 0.8, 0), ("Correct A a".into(), [1, 0, 0, 0, 0]));
         assert_eq!(classes(truth, labels, 0.81, 0), (String::new(), [0, 0, 0, 1, 1]));
@@ -275,8 +286,8 @@ mod tests {
             classes("AAAA AAAA AAAA AAAA ..", "aaaa aaaa aaaa abbb bb", 0.6, 0),
             ("Correct A a".into(), [1, 0, 0, 0, 1])
         );
-        // Now b lies in A with 3 of 4. Over A ab: ((1 + 3/4) / 2 + 1) / 2 = 0.9375, not the mean of all three
-        // ratios, (1 + 3/4 + 1) / 3.
+        // Now b lies in A with 3 of 4. Over A ab: ((1 + 3/4) / 2 + 1) / 2 = 0.9375, not the mean of
+        // all three ratios, (1 + 3/4 + 1) / 3.
         let h = evaluate(&drawn("AAAA AAAA AAAA AAAA ."), &drawn("aaaa aaaa aaaa abbb b"), 0.6, 0).unwrap();
         assert_eq!((h.instances.len(), h.instances[0].class), (1, Class::OverSegmented));
         assert_eq!(h.instances[0].average, 0.9375);
@@ -284,9 +295,10 @@ mod tests {
 
     #[test]
     fn better_under_segmentation_beats_both_others() {
-        // A has 10 px: 8 in a, 2 in b. B has 2 px, both in a. a has 10 px. b has 3 px, one of them outside.
-        // Correct A a: (8/10 + 8/10) / 2 = 0.8. Over A ab: ((8/10 + 2/3) / 2 + 10/10) / 2 = 0.867.
-        // Under AB a: ((8/10 + 2/2) / 2 + 10/10) / 2 = 0.95. So A and a are taken, b is noise.
+        // A has 10 px: 8 in a, 2 in b. B has 2 px, both in a. a has 10 px. b has 3 px, one of them
+        // outside. Correct A a: (8/10 + 8/10) / 2 = 0.8. Over A ab: ((8/10 + 2/3) / 2 + 10/10) / 2
+        // = 0.867. Under AB a: ((8/10 + 2/2) / 2 + 10/10) / 2 = 0.95. So A and a are taken, b is
+        // noise.
         assert_eq!(
             classes("AAAAAAAA AA BB .", "aaaaaaaa bb aa b", 0.6, 0),
             ("UnderSegmented AB a".into(), [0, 0, 1, 0, 1])
@@ -298,7 +310,8 @@ mod tests {
     #[test]
     fn ties_go_to_correct_then_over_then_under() {
         // A has 15 px. a: 12 of 12. b: 3 of its 5 lie in A. Correct A a: (1 + 12/15) / 2 = 0.9.
-        // Over A ab: ((1 + 3/5) / 2 + 15/15) / 2 = 0.9. And with the images exchanged the same for under.
+        // Over A ab: ((1 + 3/5) / 2 + 15/15) / 2 = 0.9. And with the images exchanged the same for
+        // under.
         let (one, three) = ("AAAAA AAAAA AAAAA ..", "aaaaa aaaaa aabbb bb");
         assert_eq!(classes(one, three, 0.6, 0), ("Correct A a".into(), [1, 0, 0, 0, 1]));
         assert_eq!(classes(three, one, 0.6, 0), ("Correct a A".into(), [1, 0, 0, 1, 0]));
@@ -318,7 +331,8 @@ mod tests {
 
     #[test]
     fn small_regions_are_ignored_but_still_fill_areas() {
-        // B (2 px) and b (2 px) are below 3 px: neither missed nor noise. a has 10 px, 8 of them in A (8 px).
+        // B (2 px) and b (2 px) are below 3 px: neither missed nor noise. a has 10 px, 8 of them in
+        // A (8 px).
         let (truth, labels) = ("AAAA AAAA BB ..", "aaaa aaaa aa bb");
         assert_eq!(classes(truth, labels, 0.8, 3), ("Correct A a".into(), [1, 0, 0, 0, 0]));
         assert_eq!(classes(truth, labels, 0.9, 3), (String::new(), [0, 0, 0, 1, 1]));

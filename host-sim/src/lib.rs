@@ -1,12 +1,14 @@
-//! Host side of scanseg: range-image files and their geometry, whole scans through the core, the simulated office,
-//! evaluation, the paper's experiment, and the pictures that the `scanseg` command writes.
-mod approach;
+//! Host side of scanseg: whole scans through the core, the simulated office, evaluation, the
+//! paper's experiment, and the pictures that the `scanseg` command writes.
+//!
+//! Modules use each other in one direction: the `scanseg` command, [`experiment`], [`overview`] and
+//! [`picture`], [`segmentation`]. Files are read and written by [`scanseg_formats`]; the simulated
+//! scanner is `scanseg_virtual_rig`.
+
 pub mod experiment;
-pub mod format;
 pub mod hoover;
 pub mod office;
 pub mod overview;
 pub mod picture;
 pub mod segmentation;
 pub mod timing;
-pub mod virtual_rig;

@@ -1,10 +1,10 @@
-//! The overview of a segmented scan: one picture in the manner of the paper's Figs. 3 to 5, up being up and left being
-//! left whatever the order in which the scanner delivers its rows.
+//! The overview of a segmented scan: one picture in the manner of the paper's Figs. 3 to 5, up
+//! being up and left being left whatever the order in which the scanner delivers its rows.
 
 use scanseg_core::COUNTS_PER_RAD;
 
-use crate::format::{Geometry, Kind, RangeImage, TurnAxis};
 use crate::picture::{BLACK, Picture, Rgb, bearing_colour, edge_colour, label_colour, range_colour, sheet};
+use scanseg_formats::{Geometry, Kind, RangeImage, TurnAxis};
 
 /// Sheets are about as wide as this, pixels.
 const SHEET_WIDTH: usize = 2100;
@@ -39,7 +39,8 @@ pub struct View {
 }
 
 impl View {
-    /// The view in which up (positive z) is up and left (positive y) is left. The geometry must fit the image.
+    /// The view in which up (positive z) is up and left (positive y) is left. The geometry must fit
+    /// the image.
     pub fn of(geometry: &Geometry, rows: usize, columns: usize) -> View {
         let transpose = matches!(geometry.kind, Kind::Nodding { turn_axis: TurnAxis::Z, .. });
         let (height, width) = if transpose { (columns, rows) } else { (rows, columns) };
@@ -93,8 +94,8 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
     sheet(&panels.into_iter().map(fit).collect::<Vec<_>>(), across)
 }
 
-/// A simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its depth side by side. The truth
-/// must have the scan's size.
+/// A simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its depth
+/// side by side. The truth must have the scan's size.
 pub fn truth_and_depth(scan: &RangeImage, geometry: &Geometry, truth: &[u16]) -> Picture {
     let view = View::of(geometry, scan.rows, scan.columns);
     let (near_m, far_m) = usual_ranges_m(scan);
@@ -112,7 +113,8 @@ pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
     format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue")
 }
 
-/// A picture some whole factor larger or smaller, to a width of `width` and less, or to twice that at most.
+/// A picture some whole factor larger or smaller, to a width of `width` and less, or to twice that
+/// at most.
 fn fitted(picture: Picture, width: usize) -> Picture {
     let (w, h) = (picture.width(), picture.height());
     let times = (width / w).clamp(1, 8);
@@ -132,7 +134,7 @@ pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Angles, Depth};
+    use scanseg_formats::{Angles, Depth};
 
     fn view(kind: Kind) -> (bool, bool, bool) {
         let none = None;

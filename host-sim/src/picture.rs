@@ -1,7 +1,8 @@
-//! Pictures of scans: a small RGB canvas with text, the colours of ranges, labels, bearing angles and edges, and sheets
-//! of titled panels like the figures of a paper.
+//! Pictures of scans: a small RGB canvas with text, the colours of ranges, labels, bearing angles
+//! and edges, and sheets of titled panels like the figures of a paper.
 //!
-//! x is the column, to the right, and y the row, downwards, in pixels. What lies outside of a picture is not drawn.
+//! x is the column, to the right, and y the row, downwards, in pixels. What lies outside of a
+//! picture is not drawn.
 use font8x8::legacy::BASIC_LEGACY;
 
 /// Red, green, blue.
@@ -86,8 +87,8 @@ impl Picture {
         }
     }
 
-    /// Writes one line of ASCII text, its upper left corner at (`x`, `y`), each character [`CHARACTER`] * `scale`
-    /// pixels wide and high. Other characters are written as `?`.
+    /// Writes one line of ASCII text, its upper left corner at (`x`, `y`), each character
+    /// [`CHARACTER`] * `scale` pixels wide and high. Other characters are written as `?`.
     pub fn text(&mut self, x: usize, y: usize, scale: usize, colour: Rgb, text: &str) {
         for (i, character) in text.chars().enumerate() {
             let glyph = BASIC_LEGACY.get(character as usize).unwrap_or(&BASIC_LEGACY['?' as usize]);
@@ -101,7 +102,8 @@ impl Picture {
         }
     }
 
-    /// The picture in another size, each pixel that of the nearest one; sides as in [`Picture::new`].
+    /// The picture in another size, each pixel that of the nearest one; sides as in
+    /// [`Picture::new`].
     pub fn scaled(&self, width: usize, height: usize) -> Picture {
         let (width, height) = (width.max(1), height.max(1));
         // The middle of the new pixel lies in the pixel taken.
@@ -128,9 +130,10 @@ impl Picture {
     }
 }
 
-/// Colour of a range: from bright yellow at `near_m` and nearer over red and violet to dark blue at `far_m` and farther,
-/// in steps that look alike. Black where there is no range (not above 0, infinite, or not a number). Limits that are
-/// equal or not numbers give some colour other than black.
+/// Colour of a range: from bright yellow at `near_m` and nearer over red and violet to dark blue at
+/// `far_m` and farther, in steps that look alike. Black where there is no range (not above 0,
+/// infinite, or not a number). Limits that are equal or not numbers give some colour other than
+/// black.
 ///
 /// The colours are those of matplotlib's "plasma" map at every eighth of its length, interpolated.
 pub fn range_colour(range_m: f32, near_m: f32, far_m: f32) -> Rgb {
@@ -157,7 +160,8 @@ pub fn range_colour(range_m: f32, near_m: f32, far_m: f32) -> Rgb {
     [0, 1, 2].map(|c| (f32::from(a[c]) * (1.0 - fraction) + f32::from(b[c]) * fraction).round() as u8)
 }
 
-/// Colour of a label, such that labels with numbers close to each other look different; 0 (no label) is dark grey.
+/// Colour of a label, such that labels with numbers close to each other look different; 0 (no
+/// label) is dark grey.
 ///
 /// Hue goes on by the golden angle from label to label, lightness takes turns among three.
 pub fn label_colour(label: u32) -> Rgb {
@@ -176,8 +180,8 @@ pub fn label_colour(label: u32) -> Rgb {
     })
 }
 
-/// Grey of a bearing angle: black at 0, white at pi radians (and beyond); dark blue where it is not a number, which here
-/// means that one of its two ranges is missing.
+/// Grey of a bearing angle: black at 0, white at pi radians (and beyond); dark blue where it is not
+/// a number, which here means that one of its two ranges is missing.
 pub fn bearing_colour(bearing_rad: f32) -> Rgb {
     if bearing_rad.is_nan() {
         return [0, 0, 96];
@@ -190,8 +194,9 @@ pub fn edge_colour(edge: bool) -> Rgb {
     if edge { BLACK } else { WHITE }
 }
 
-/// Panels with their titles above them, black on white, in a grid of `columns` columns (0 is made 1), row by row. Cells
-/// are as wide and as high as the largest panel, and wide enough for the longest title.
+/// Panels with their titles above them, black on white, in a grid of `columns` columns (0 is made
+/// 1), row by row. Cells are as wide and as high as the largest panel, and wide enough for the
+/// longest title.
 pub fn sheet(panels: &[(&str, Picture)], columns: usize) -> Picture {
     const MARGIN: usize = 8;
     let columns = columns.clamp(1, panels.len().max(1));

@@ -4,10 +4,10 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use scanseg_core::{Config, LabelRow, Segment, Sink};
+use scanseg_core::{AnyConfig, AnySegmenter, LabelRow, Segment, Segmenter, Sink};
 
-use crate::format::{Geometry, RangeImage};
-use crate::segmentation::{Approach, OwnedMemory, ScanBeams, Segmentation, SegmentationError, Segmenter, check_size};
+use crate::segmentation::{OwnedMemory, ScanBeams, Segmentation, SegmentationError, check_size};
+use scanseg_formats::{Geometry, RangeImage};
 
 /// Smaller segments are not asked for their planes.
 const MIN_PIXELS: u32 = 30;
@@ -26,19 +26,19 @@ impl Timing {
     ///
     /// # Errors
     /// As [`crate::segmentation::Segmentation::of`].
-    pub fn of(
+    pub fn of<'a>(
         scan: &RangeImage,
         geometry: &Geometry,
-        approach: Approach,
-        config: &Config<'_>,
+        config: impl Into<AnyConfig<'a>>,
         max_labels: Option<usize>,
         rounds: usize,
     ) -> Result<Timing, SegmentationError> {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
-        let mut memory = OwnedMemory::new(scan.columns, config, max_labels);
+        let config = config.into();
+        let mut memory = OwnedMemory::new(config.sizes(scan.columns), max_labels);
         let mut ns_per_point = Vec::new();
-        let mut segmenter = Segmenter::new(approach, *config, beams.beams(), scan.columns, memory.memory())?;
+        let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         for round in 0..=rounds.max(1) {
             let started = Instant::now();
             for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
@@ -51,8 +51,7 @@ impl Timing {
             }
         }
         ns_per_point.sort_by(f64::total_cmp);
-        let segments =
-            Segmentation::of(scan, geometry, approach, config, max_labels, || ())?.of_pixels(MIN_PIXELS).len();
+        let segments = Segmentation::of(scan, geometry, config, max_labels, || ())?.of_pixels(MIN_PIXELS).len();
         Ok(Timing { ns_per_point, segments })
     }
 

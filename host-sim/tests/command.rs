@@ -1,12 +1,17 @@
 //! The `scanseg` command as a process: what it writes, what it prints, how it fails.
+
+mod recorded;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use scanseg_sim::format::{Geometry, GreyImage, RangeImage};
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::office::{Scene, Sensor, Set};
 use serde_json::Value;
+
+use recorded::recorded;
 
 const FILES: [&str; 9] = [
     "labels.png",
@@ -42,7 +47,8 @@ fn succeeds(folder: &Path, arguments: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Exit code 2, nothing on stdout, one line on stderr that holds all of `says`, nothing new in the folder.
+/// Exit code 2, nothing on stdout, one line on stderr that holds all of `says`, nothing new in the
+/// folder.
 fn fails(folder: &Path, arguments: &str, says: &[&str]) {
     let entries = || {
         let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
@@ -361,7 +367,8 @@ fn bench_counts_what_segment_finds() {
 #[test]
 fn evaluate_counts_the_classes_of_hand_made_images() {
     let folder = folder("evaluate");
-    // Truth 1 is found whole but for 2 of 10 pixels, 2 in two pieces, 3 and 4 as one, 5 not at all; segment 9 is nowhere.
+    // Truth 1 is found whole but for 2 of 10 pixels, 2 in two pieces, 3 and 4 as one, 5 not at all;
+    // segment 9 is nowhere.
     let truth = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 4, 5, 5, 5, 0, 0, 0];
     let labels = [1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 2, 2, 3, 3, 7, 7, 7, 7, 7, 7, 0, 0, 0, 9, 9, 9];
     write_labels(folder.join("truth.pgm"), 13, 255, &truth);
@@ -415,22 +422,13 @@ fn office_writes_scenes_with_their_truth() {
     fails(&folder, "office --out new --set best", &["tuning"]);
 }
 
-/// A folder of recorded scans, if it is there.
-fn recorded(set: &str) -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(set);
-    let there = folder.is_dir();
-    if !there {
-        println!("skipped: {} is absent", folder.display());
-    }
-    there.then_some(folder)
-}
-
 #[test]
 fn bearing_angles_are_those_of_another_program() {
     let Some(data) = recorded("bearing-angle-reference") else { return };
     let folder = folder("reference");
-    // Largest difference allowed: of counts of the other program's file. For the diagonal of the camera 2 instead of 1:
-    // its beams are 0.1 deg apart, and what an f32 can tell of a range in metres then makes 1.2 counts by itself.
+    // Largest difference allowed: of counts of the other program's file. For the diagonal of the
+    // camera 2 instead of 1: its beams are 0.1 deg apart, and what an f32 can tell of a range in
+    // metres then makes 1.2 counts by itself.
     for (scan, images) in [("laserscan", &[("horizontal", 1)][..]), ("pinhole", &[("vertical", 1), ("diagonal", 2)])] {
         let path = |name: &str| data.join(format!("{scan}{name}"));
         // the other program knows no seam
@@ -454,8 +452,9 @@ fn bearing_angles_are_those_of_another_program() {
     }
 }
 
-/// Planes that a person finds in the pictures and that a wrong geometry would bend or break: pixels at least, the normal
-/// (to 4 deg) and the distance in metres (to 6 %) of some segment. The baseline of four pixels is for the scanners' noise.
+/// Planes that a person finds in the pictures and that a wrong geometry would bend or break: pixels
+/// at least, the normal (to 4 deg) and the distance in metres (to 6 %) of some segment. The
+/// baseline of four pixels is for the scanners' noise.
 #[test]
 fn recorded_scans_are_segmented() {
     type Seen = (f64, [f64; 3], f64);

@@ -1,31 +1,32 @@
-//! The simulated office keeps its promises: repeatable, true to its surfaces, with the errors asked for.
+//! The simulated office keeps its promises: repeatable, true to its surfaces, with the errors asked
+//! for.
 
-use scanseg_sim::{
-    format::geometry::{Angles, Kind, TurnAxis},
-    office::{SCENES, Scan, Scene, Sensor, SensorError, Set},
-};
 use std::collections::{BTreeMap, BTreeSet};
 
+use scanseg_formats::{Angles, Kind, TurnAxis};
+use scanseg_sim::office::{SCENES, Scene, Sensor, SensorError, Set, SimulatedScan};
+
 /// FNV-1a of ranges in whole millimetres and of the truth.
-fn hash(scan: &Scan) -> u64 {
+fn hash(scan: &SimulatedScan) -> u64 {
     let mm = scan.range_m.iter().map(|r| (f64::from(*r) * 1000.0).round() as u16);
     mm.chain(scan.truth.iter().copied())
         .flat_map(u16::to_le_bytes)
         .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-fn pixels_by_id(scan: &Scan) -> BTreeMap<u16, usize> {
+fn pixels_by_id(scan: &SimulatedScan) -> BTreeMap<u16, usize> {
     let mut pixels = BTreeMap::new();
     scan.truth.iter().filter(|&&id| id != 0).for_each(|&id| *pixels.entry(id).or_insert(0) += 1);
     pixels
 }
 
-fn scan(set: Set, number: u32, sensor: &Sensor) -> Scan {
+fn scan(set: Set, number: u32, sensor: &Sensor) -> SimulatedScan {
     Scene::numbered(set, number).scan(sensor, 7).unwrap()
 }
 
-/// Worst distance of a pixel's point from the plane of its surface, metres; curved surfaces are left out.
-fn off_plane_m(scene: &Scene, scan: &Scan) -> f64 {
+/// Worst distance of a pixel's point from the plane of its surface, metres; curved surfaces are
+/// left out.
+fn off_plane_m(scene: &Scene, scan: &SimulatedScan) -> f64 {
     let mut worst = 0f64;
     for (i, (&range, &id)) in scan.range_m.iter().zip(&scan.truth).enumerate() {
         if let Some((normal, offset)) = scene.plane(id) {

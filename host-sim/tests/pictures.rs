@@ -1,10 +1,15 @@
 //! Pictures: what is drawn where, and that colours tell apart what they should.
+
+mod recorded;
+
 use std::f32::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use scanseg_sim::format::{Geometry, GreyImage, RangeImage};
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::picture::*;
+
+use recorded::recorded;
 
 const RED: Rgb = [255, 0, 0];
 
@@ -146,11 +151,7 @@ fn a_sheet_holds_every_panel_below_its_title() {
 
 #[test]
 fn a_recorded_scan_makes_a_sheet() {
-    let set = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/tilting-sick-corridor"));
-    if !set.exists() {
-        println!("skipped: no recorded scans in {}", set.display());
-        return;
-    }
+    let Some(set) = recorded("tilting-sick-corridor") else { return };
     let geometry = Geometry::read(set.join("geometry.toml")).unwrap();
     let counts = GreyImage::read(set.join("scan000.range_mm.pgm")).unwrap();
     let planes = GreyImage::read(set.join("scan000.planes.pgm")).unwrap();

@@ -1,15 +1,19 @@
 //! `scanseg rig`, `replay` and `listen` as processes.
 
+mod recorded;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use scanseg_core::{Config, Trace};
-use scanseg_hal::link::{Decoder, Message, Received, SegmentReport};
+use scanseg_core::{EdgeConfig, Trace};
+use scanseg_formats::RangeImage;
+use scanseg_hal::link::{FrameDecoder, Message, Received, SegmentReport};
 use scanseg_hal::lms2xx::crc::check_word;
-use scanseg_sim::format::RangeImage;
 use scanseg_sim::office::{Scene, Sensor, Set};
-use scanseg_sim::segmentation::{Approach, Segmentation};
+use scanseg_sim::segmentation::Segmentation;
+
+use recorded::recorded;
 
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
@@ -40,7 +44,7 @@ fn fails(folder: &Path, arguments: &str, says: &str) {
 /// Segments in a file of frames, in the order in which they came.
 fn segments(path: &Path) -> Vec<SegmentReport> {
     let mut segments = vec![];
-    Decoder::new().feed(&fs::read(path).unwrap(), |received| match received {
+    FrameDecoder::new().feed(&fs::read(path).unwrap(), |received| match received {
         Received::Message { lost: 0, message: Message::Segment(segment) } => segments.push(segment),
         Received::Message { lost: 0, .. } => {}
         other => panic!("{other:?}"),
@@ -104,8 +108,8 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
 
     let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
     let traces = [Trace::ROW.times(4), Trace::COLUMN.times(4)];
-    let config = Config { traces: &traces, ..Config::paper() };
-    let whole = Segmentation::of(&ranges, &scan.geometry, Approach::Edge, &config, None, || ()).unwrap();
+    let config = EdgeConfig::paper().with_traces(&traces);
+    let whole = Segmentation::of(&ranges, &scan.geometry, config, None, || ()).unwrap();
     let mut expected: Vec<SegmentReport> = whole.segments.iter().map(SegmentReport::from).collect();
     assert_eq!(found.len(), expected.len());
     found.sort_by_key(|segment| segment.label);
@@ -139,8 +143,8 @@ fn reset_and_stuck_encoder() {
 
 #[test]
 fn the_real_telegram() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/sick-lms200-telegram/lms200_b0_361.bin");
-    let Ok(telegram) = fs::read(path) else { return println!("skipped: no {path}") };
+    let Some(data) = recorded("sick-lms200-telegram") else { return };
+    let telegram = fs::read(data.join("lms200_b0_361.bin")).unwrap();
     let folder = folder("real");
     fs::write(folder.join("raw.bin"), telegram.repeat(6)).unwrap();
     let geometry = "version = 1\nunit_m = 0.001\nkind = \"nodding\"\nturn_axis = \"y\"\n\

@@ -1,7 +1,7 @@
 //! Compares two label images pixel by pixel: `same_labels ONE OTHER`. Used by `c_library.sh`.
 use std::process::ExitCode;
 
-use scanseg_sim::format::GreyImage;
+use scanseg_formats::GreyImage;
 
 fn main() -> ExitCode {
     let files: Vec<String> = std::env::args().skip(1).collect();

@@ -5,9 +5,9 @@ use crate::reference::closing::Element as ReferenceElement;
 use crate::reference::labels::Class;
 use crate::reference::{Image, Segmentation, Settings, Size, Trace as ReferenceTrace, segment_counts};
 use scanseg_core::{
-    Area, Beams, COUNTS_PER_RAD, Columns, Config, ConfigError, EdgeRow, EdgeSegmenter, Element, Finished, Join,
-    LATENCY_ROWS, Label, LabelRow, Memory, Pixel, PlaneSegmenter, PushError, RegionSegmenter, Row, Segment, Sink,
-    Sizes, Status, Trace, TurnAxis, bearing_row,
+    AnyConfig, AnySegmenter, Area, Beams, COUNTS_PER_RAD, Columns, EdgeConfig, EdgeRow, Element, Finished, Join, Label,
+    LabelRow, MAX_LATENCY_ROWS, Memory, Pixel, PushError, Ranging, Row, Segment, Segmenter, Sink, Sizes, Status, Trace,
+    TurnAxis, bearing_row,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -122,135 +122,62 @@ impl Scan {
         }
     }
 
-    /// The image for the reference.
-    pub fn image(&self, config: &Config) -> Image {
-        let (min_range_m, max_range_m) = (config.min_range_m, config.max_range_m);
+    /// The image for the reference, with the limits of the ranges.
+    pub fn image(&self, ranging: &Ranging) -> Image {
+        let &Ranging { min_range_m, max_range_m, .. } = ranging;
         Image { min_range_m, max_range_m, ..Image::new(self.size(), self.range_m.clone()) }
     }
 
     /// The bearing angles that the core finds along a trace, in counts.
-    pub fn counts(&self, config: &Config, trace: Trace) -> Vec<u16> {
+    pub fn counts(&self, ranging: &Ranging, trace: Trace) -> Vec<u16> {
         let mut counts = vec![0; self.range_m.len()];
         let row = |row| Row { ranges_m: self.row_m(row), turn_rad: self.turn_rad[row], row };
         for (now, out) in counts.chunks_mut(self.columns).enumerate() {
             // above the image there is none
             if let Some(before) = now.checked_sub(trace.rows.into()) {
-                bearing_row(config, self.beams(), trace, row(now), row(before), out).unwrap();
+                bearing_row(ranging, self.beams(), trace, row(now), row(before), out).unwrap();
             }
         }
         counts
     }
 
     /// What the reference finds, given the bearing angles that the core finds.
-    pub fn expected(&self, config: &Config) -> Segmentation {
-        let counts = config.traces.iter().map(|&trace| self.counts(config, trace)).collect();
-        segment_counts(&self.image(config), &self.reference_beams(), &settings(config), counts)
+    pub fn expected(&self, config: &EdgeConfig) -> Segmentation {
+        let counts = config.traces.iter().map(|&trace| self.counts(&config.ranging, trace)).collect();
+        segment_counts(&self.image(&config.ranging), &self.reference_beams(), &settings(config), counts)
     }
 
-    /// Everything that a fresh edge-based segmenter with a table of `areas` live labels reports.
-    pub fn record(&self, config: &Config, areas: usize) -> Record {
-        self.record_by(Approach::Edge, config, areas)
-    }
-
-    /// As [`Scan::record`], by the region-based approach.
-    pub fn record_regions(&self, config: &Config, areas: usize) -> Record {
-        self.record_by(Approach::Region, config, areas)
-    }
-
-    /// As [`Scan::record`], by the plane approach.
-    pub fn record_planes(&self, config: &Config, areas: usize) -> Record {
-        self.record_by(Approach::Plane, config, areas)
-    }
-
-    /// As [`Scan::record`], by any approach.
-    pub fn record_by(&self, approach: Approach, config: &Config, areas: usize) -> Record {
+    /// Everything that a fresh segmenter of this configuration, with a table of `areas` live labels, reports.
+    pub fn record<'a>(&'a self, config: impl Into<AnyConfig<'a>>, areas: usize) -> Record {
+        let config = config.into();
         let mut room = Room::new(self.columns, config, areas);
-        let mut segmenter = approach.segmenter(*config, self.beams(), self.columns, room.memory()).unwrap();
+        let mut segmenter = AnySegmenter::new(config, self.beams(), self.columns, room.memory()).unwrap();
         let mut record = Record::default();
-        self.feed(&mut *segmenter, &mut record).unwrap();
+        self.feed(&mut segmenter, &mut record).unwrap();
         record
     }
 
     /// Pushes all rows and finishes, until the record breaks off.
-    pub fn feed(&self, segmenter: &mut dyn Segmenter, record: &mut Record) -> Result<(), PushError> {
+    pub fn feed(&self, segmenter: &mut impl Segmenter, record: &mut Record) -> Result<(), PushError> {
         for row in 0..self.turn_rad.len() {
-            let status = segmenter.push(self.row_m(row), self.turn_rad[row], record)?;
+            let status = segmenter.push_row(self.row_m(row), self.turn_rad[row], record)?;
             record.statuses.push(status);
             if status == Status::Stopped {
                 return Ok(());
             }
         }
-        record.finished = Some(segmenter.end(record));
+        record.finished = Some(segmenter.finish(record));
         Ok(())
     }
 }
 
-/// Any segmenter.
-pub trait Segmenter {
-    /// `push_row`.
-    fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError>;
-    /// `finish`.
-    fn end(&mut self, record: &mut Record) -> Finished;
-    /// `reset`.
-    fn clear(&mut self);
-}
-
-macro_rules! segmenter {
-    ($($segmenter:ident)*) => {$(
-        impl Segmenter for $segmenter<'_> {
-            fn push(&mut self, ranges_m: &[f32], turn_rad: f32, record: &mut Record) -> Result<Status, PushError> {
-                self.push_row(ranges_m, turn_rad, record)
-            }
-
-            fn end(&mut self, record: &mut Record) -> Finished {
-                self.finish(record)
-            }
-
-            fn clear(&mut self) {
-                self.reset();
-            }
-        }
-    )*};
-}
-
-segmenter!(PlaneSegmenter EdgeSegmenter RegionSegmenter);
-
-/// The way in which a segmenter works.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs)]
-pub enum Approach {
-    Plane,
-    Edge,
-    Region,
-}
-
-impl Approach {
-    /// A segmenter of this approach.
-    ///
-    /// # Errors
-    /// That of its `new`.
-    pub fn segmenter<'a>(
-        self,
-        config: Config<'a>,
-        beams: Beams<'a>,
-        columns: usize,
-        memory: Memory<'a>,
-    ) -> Result<Box<dyn Segmenter + 'a>, ConfigError> {
-        Ok(match self {
-            Approach::Plane => Box::new(PlaneSegmenter::new(config, beams, columns, memory)?),
-            Approach::Edge => Box::new(EdgeSegmenter::new(config, beams, columns, memory)?),
-            Approach::Region => Box::new(RegionSegmenter::new(config, beams, columns, memory)?),
-        })
-    }
-}
-
 /// The settings of the reference that are those of a configuration; thresholds round as in the core.
-pub fn settings(config: &Config) -> Settings {
+pub fn settings(config: &EdgeConfig) -> Settings {
     Settings {
         traces: config.traces.iter().map(|&trace| reference_trace(trace)).collect(),
         roof_eighths: (config.roof_angle_rad * (COUNTS_PER_RAD / 2.0)).round_ties_even() as u32,
         step_counts: (config.step_angle_rad * COUNTS_PER_RAD).round_ties_even() as u32,
-        step_range_m: 3.0 * std::f32::consts::SQRT_2 * config.range_noise_m,
+        step_range_m: 3.0 * std::f32::consts::SQRT_2 * config.ranging.range_noise_m,
         element: match config.closing {
             Element::Plus => ReferenceElement::Plus,
             Element::Square => ReferenceElement::Square,
@@ -266,28 +193,32 @@ pub fn reference_trace(trace: Trace) -> ReferenceTrace {
 /// Memory of a segmenter, filled with rubbish.
 #[expect(missing_docs)]
 pub struct Room {
-    pub ranges: Vec<f32>,
-    pub bearings: Vec<u16>,
+    pub numbers: Vec<f32>,
+    pub halves: Vec<u16>,
     pub words: Vec<u32>,
     pub areas: Vec<Area>,
 }
 
 impl Room {
     /// For images of `columns` columns, with a table of `areas` live labels.
-    pub fn new(columns: usize, config: &Config, areas: usize) -> Room {
-        let sizes = Sizes::of(columns, config);
+    pub fn new<'a>(columns: usize, config: impl Into<AnyConfig<'a>>, areas: usize) -> Room {
+        Room::of(Sizes { areas, ..config.into().sizes(columns) })
+    }
+
+    /// As much as this.
+    pub fn of(sizes: Sizes) -> Room {
         Room {
-            ranges: vec![f32::NAN; sizes.ranges],
-            bearings: vec![0xa5a5; sizes.bearings],
+            numbers: vec![f32::NAN; sizes.numbers],
+            halves: vec![0xa5a5; sizes.halves],
             words: vec![0xa5a5_a5a5; sizes.words],
-            areas: vec![Area::EMPTY; areas],
+            areas: vec![Area::EMPTY; sizes.areas],
         }
     }
 
-    /// For [`EdgeSegmenter::new`].
+    /// For the `new` of any segmenter.
     pub fn memory(&mut self) -> Memory<'_> {
-        let Room { ranges, bearings, words, areas } = self;
-        Memory { ranges, bearings, words, areas }
+        let Room { numbers, halves, words, areas } = self;
+        Memory { numbers, halves, words, areas }
     }
 }
 
@@ -380,17 +311,17 @@ impl Record {
 
     /// Asserts what is promised of the order of events in a scan that was not broken off:
     /// - after row r is pushed come the edges of row r - 1, then joins and segments, then the labels of row
-    ///   r - [`LATENCY_ROWS`];
+    ///   r - [`MAX_LATENCY_ROWS`];
     /// - labels are 1, 2, 3, ... and a row begins the next ones without a gap;
     /// - a join ends a greater label in favour of a smaller one that lives, and a label that has ended comes no more;
     /// - a segment is complete the row after its last one, and every label ends in a join or a segment.
     pub fn assert_order(&self, rows: usize) {
-        self.assert_order_of(rows, LATENCY_ROWS, LATENCY_ROWS);
+        self.assert_order_of(rows, MAX_LATENCY_ROWS, MAX_LATENCY_ROWS);
     }
 
     /// [`Record::assert_order`] for the region-based approach, where everything of row r comes as it is pushed.
     pub fn assert_order_of_regions(&self, rows: usize) {
-        self.assert_order_of(rows, RegionSegmenter::LATENCY_ROWS, 1);
+        self.assert_order_of(rows, 0, 1);
     }
 
     /// `ahead`: rows of edges that have come before the labels of a row, its own among them.

@@ -1,6 +1,6 @@
 //! Bearing angles: how far f32 is from f64.
 
-use scanseg_core::{BeamAngle, Config, MAX_ERROR_RAD, Trace, TurnAxis, bearing_angle_rad};
+use scanseg_core::{BeamAngle, MAX_ERROR_RAD, Ranging, Trace, TurnAxis, bearing_angle_rad};
 use scanseg_tests::checks::bearings::{self, MICROMATH, NEAR_RAD};
 use scanseg_tests::reference::bearing::bearing_angle;
 use scanseg_tests::scenes::uniform;
@@ -115,7 +115,7 @@ fn rigs(columns: usize) -> Vec<Rig> {
 fn whole_chain() {
     let columns = 181;
     let turns_deg: Vec<f32> = (0..20).map(|row| -30.0 + 0.7 * row as f32 + 0.3 * (row as f32).sin()).collect();
-    let config = Config::paper();
+    let ranging = Ranging::new(0.01);
     let traces = [
         Trace::ROW,
         Trace::COLUMN,
@@ -143,7 +143,7 @@ fn whole_chain() {
             }
         }
         for trace in traces {
-            bearings::assert_same(&scan, &config, trace, |phi, found, off| {
+            bearings::assert_same(&scan, &ranging, trace, |phi, found, off| {
                 none += u32::from(found == 0);
                 errors[usize::from(phi < NEAR_RAD)].add(off);
             });
@@ -154,4 +154,29 @@ fn whole_chain() {
         assert!(errors.count > 1000);
     }
     assert!(none > 1000);
+}
+
+/// Rows that are far apart, as where a scanner skips some: along a column the angle between two beams is that of their
+/// turns, up to a right angle and beyond.
+#[test]
+fn rows_far_apart() {
+    let columns = 61;
+    let (mut largest, mut angles) = (0f64, 0);
+    for axis in [TurnAxis::Y, TurnAxis::Z] {
+        for turn_deg in [5.0f32, 15.0, 16.0, 16.2, 20.0, 30.0, 45.0, 60.0, 73.0, 75.0, 90.0, 120.0, -30.0, -60.0] {
+            let angles_of_beams = Angles::Even { start_rad: -0.6, step_rad: 0.02 };
+            let turn_rad = [0.2, 0.2 + turn_deg.to_radians()].to_vec();
+            let rig = Rig::Nodding { angles: angles_of_beams, axis };
+            let mut scan = Scan::of(columns, turn_rad, rig, |_| 2.0);
+            for (i, range_m) in scan.range_m.iter_mut().enumerate() {
+                *range_m += uniform(11, i, 0) as f32;
+            }
+            bearings::assert_same(&scan, &Ranging::new(0.01), Trace::COLUMN, |_, found, off| {
+                angles += u32::from(found > 0);
+                largest = largest.max(off.abs());
+            });
+        }
+    }
+    println!("{angles} angles, error at most {largest} counts");
+    assert_eq!(angles, 2 * 14 * 61);
 }

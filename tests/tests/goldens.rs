@@ -1,21 +1,19 @@
 //! Small scans with their edges and labels as pictures: `#` is an edge, a letter a label, a blank no return.
 
-use scanseg_core::{Config, Element, Join, Label, Pixel, Trace, live_labels};
+use scanseg_core::{EdgeConfig, Element, Join, Label, Pixel, Ranging, Trace, live_labels};
 use scanseg_tests::art::Picture;
 use scanseg_tests::scenes::scanner;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 use std::f32::consts::PI;
 
 /// Roofs of 10 deg; steps within 3 deg of the beam, of more than 0.3 m.
-const CONFIG: Config = Config {
-    range_noise_m: 0.07,
-    roof_angle_rad: 10.0 * PI / 180.0,
-    step_angle_rad: 3.0 * PI / 180.0,
-    ..Config::paper()
-};
+const CONFIG: EdgeConfig = EdgeConfig::paper()
+    .with_ranging(Ranging::new(0.07))
+    .with_roof_angle_rad(10.0 * PI / 180.0)
+    .with_step_angle_rad(3.0 * PI / 180.0);
 
 /// Only steps along the row: every edge pixel is the first one after a jump.
-const JUMPS: Config = Config { roof_angle_rad: PI, traces: &[Trace::ROW], ..CONFIG };
+const JUMPS: EdgeConfig = CONFIG.with_roof_angle_rad(PI).with_traces(&[Trace::ROW]);
 
 /// The scan whose ranges are drawn: a digit is a range in metres, a blank no return.
 fn drawn(art: &str) -> Scan {
@@ -24,16 +22,16 @@ fn drawn(art: &str) -> Scan {
     Scan { range_m: picture.map(|pixel| pixel.to_digit(10).unwrap_or(0) as f32), ..scan }
 }
 
-fn record(scan: &Scan, config: &Config) -> Record {
-    scan.record(config, live_labels(scan.columns))
+fn record(scan: &Scan, config: &EdgeConfig) -> Record {
+    scan.record(*config, live_labels(scan.columns))
 }
 
-fn edges(scan: &Scan, config: &Config) -> Picture {
+fn edges(scan: &Scan, config: &EdgeConfig) -> Picture {
     Picture::bits(scan.columns, &record(scan, config).edges(scan.columns))
 }
 
 /// Labels as they were given out, before later joins.
-fn given_out(scan: &Scan, config: &Config) -> Picture {
+fn given_out(scan: &Scan, config: &EdgeConfig) -> Picture {
     let pixels = record(scan, config).pixels();
     let label = |&pixel: &Pixel| if let Pixel::Segment(Label(label)) = pixel { label } else { 0 };
     let classes: Vec<_> = pixels.iter().map(|&pixel| class(pixel)).collect();
@@ -41,13 +39,13 @@ fn given_out(scan: &Scan, config: &Config) -> Picture {
 }
 
 /// Labels after all joins.
-fn labels(scan: &Scan, config: &Config) -> Picture {
+fn labels(scan: &Scan, config: &EdgeConfig) -> Picture {
     let record = record(scan, config);
     let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
     Picture::labels(scan.columns, &classes, &record.labels())
 }
 
-fn joins(scan: &Scan, config: &Config) -> Vec<Join> {
+fn joins(scan: &Scan, config: &EdgeConfig) -> Vec<Join> {
     let join = |event| if let Event::Join(join) = event { Some(join) } else { None };
     record(scan, config).events.into_iter().filter_map(join).collect()
 }
@@ -133,7 +131,7 @@ fn gap_in_an_edge() {
         |aaa#bb|
         |aaa#bb|
         |aaa#bb|";
-    assert_eq!(labels(&scan, &Config { closing: Element::Square, ..JUMPS }), Picture::parse(art));
+    assert_eq!(labels(&scan, &JUMPS.with_closing(Element::Square)), Picture::parse(art));
 }
 
 /// A U: its arms are two areas until its bottom joins them, in the row from which on they have one label.
@@ -226,7 +224,7 @@ fn wall_across_the_seam() {
 
     // a jump right at the seam: an edge at column 0, which the first pixel of the row can only see across the seam; with
     // 9 deg between columns the line from 5 m to 1 m is at 11 deg to the beam
-    let config = Config { step_angle_rad: 15.0 * PI / 180.0, ..JUMPS };
+    let config = JUMPS.with_step_angle_rad(15.0 * PI / 180.0);
     let jump = |wraps| {
         let scan = scan(wraps);
         let range_m = (0..120).map(|i| if i % 40 < 20 { 1.0 } else { 5.0 }).collect();

@@ -1,33 +1,33 @@
 //! Small scans and their planes as pictures: `#` is a return in no area, a letter a label, a blank no return.
 
-use scanseg_core::{Config, Join, Label, Pixel, live_labels};
+use scanseg_core::{Join, Label, Pixel, PlaneConfig, Ranging, live_labels};
 use scanseg_tests::art::{Picture, canonical};
 use scanseg_tests::scenes::{scanner, uniform};
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 use std::f32::consts::TAU;
 
-const CONFIG: Config = Config { range_noise_m: 0.0, ..Config::paper() };
-const NOISE: Config = Config { range_noise_m: 0.01, ..Config::paper() };
+const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.0));
+const NOISE: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
 
-fn record(scan: &Scan, config: &Config, areas: usize) -> Record {
-    let record = scan.record_planes(config, areas);
+fn record(scan: &Scan, config: &PlaneConfig, areas: usize) -> Record {
+    let record = scan.record(*config, areas);
     record.assert_order_of_planes(scan.turn_rad.len());
     record
 }
 
 /// Labels after all joins, in the order in which they appear.
-fn labels_with(scan: &Scan, config: &Config, areas: usize) -> Picture {
+fn labels_with(scan: &Scan, config: &PlaneConfig, areas: usize) -> Picture {
     let record = record(scan, config, areas);
     let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
     Picture::labels(scan.columns, &classes, &canonical(&record.labels()))
 }
 
-fn labels(scan: &Scan, config: &Config) -> Picture {
+fn labels(scan: &Scan, config: &PlaneConfig) -> Picture {
     labels_with(scan, config, live_labels(scan.columns))
 }
 
 /// Labels as they were given out, before later joins.
-fn given_out(scan: &Scan, config: &Config) -> Picture {
+fn given_out(scan: &Scan, config: &PlaneConfig) -> Picture {
     let pixels = record(scan, config, live_labels(scan.columns)).pixels();
     let label = |&pixel: &Pixel| if let Pixel::Segment(Label(label)) = pixel { label } else { 0 };
     let classes: Vec<_> = pixels.iter().map(|&pixel| class(pixel)).collect();
@@ -35,7 +35,7 @@ fn given_out(scan: &Scan, config: &Config) -> Picture {
 }
 
 /// The joins, each with the number of times that its two labels were reported before.
-fn joins(scan: &Scan, config: &Config, areas: usize) -> Vec<(Join, [usize; 2])> {
+fn joins(scan: &Scan, config: &PlaneConfig, areas: usize) -> Vec<(Join, [usize; 2])> {
     let (mut reported, mut joins) = (Vec::new(), Vec::new());
     for event in record(scan, config, areas).events {
         match event {
@@ -115,7 +115,7 @@ fn square_wall_that_looks_like_a_turn() {
 #[test]
 fn step_of_5_cm() {
     let scan = scanner(8, 20, 0.0, |[x, y, _]| if y < 0.0 { 2.0 / x } else { 2.05 / x });
-    let config = Config { range_noise_m: 0.002, ..CONFIG };
+    let config = PlaneConfig::new(Ranging::new(0.002));
     for seed in 0..if cfg!(miri) { 1 } else { 20 } {
         let found = labels(&noisy(scan.clone(), 0.002, seed), &config);
         assert_eq!(found, Picture::parse(&"|aaaaaaaaaabbbbbbbbbb|\n".repeat(8)));
@@ -202,7 +202,7 @@ fn first_row() {
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn small_fold() {
-    let config = Config { range_noise_m: 0.002, ..CONFIG };
+    let config = PlaneConfig::new(Ranging::new(0.002));
     let (sin, cos) = 20f64.to_radians().sin_cos();
     // x = 3 to the right, and to the left a wall through (3, 0) that comes nearer
     let scan = scanner(16, 40, 0.0, |[x, y, _]| if y < 0.0 { 3.0 / x } else { 3.0 * cos / (x * cos + y * sin) });
@@ -234,7 +234,7 @@ fn seam_of_a_servo() {
         // beyond what the noise would hide
         assert!(error_m.abs() > 0.035, "{error_m}");
         for seed in 0..10 {
-            let found = labels(&noisy(scan.clone(), 0.005, seed), &Config { range_noise_m: 0.005, ..CONFIG });
+            let found = labels(&noisy(scan.clone(), 0.005, seed), &PlaneConfig::new(Ranging::new(0.005)));
             let largest = found.pixels.iter().filter(|&&pixel| pixel == 'a').count();
             assert!(largest >= 2000, "{seam_deg}:\n{found}");
         }

@@ -1,14 +1,14 @@
 //! Small scans and their regions as pictures: `#` is a pixel on no line, a letter a label, a blank no return.
 
-use scanseg_core::{Config, Join, Label, Pixel, TurnAxis, live_labels};
+use scanseg_core::{Join, Label, Pixel, Ranging, RegionConfig, TurnAxis, live_labels};
 use scanseg_tests::art::Picture;
 use scanseg_tests::scenes::scanner;
 use scanseg_tests::stream::{Angles, Event, Record, Rig, Scan, class};
 
-const CONFIG: Config = Config { range_noise_m: 0.0, ..Config::paper() };
+const CONFIG: RegionConfig = RegionConfig::paper().with_ranging(Ranging::new(0.0));
 
 fn record(scan: &Scan) -> Record {
-    let record = scan.record_regions(&CONFIG, live_labels(scan.columns));
+    let record = scan.record(CONFIG, live_labels(scan.columns));
     record.assert_order_of_regions(scan.turn_rad.len());
     record
 }
@@ -88,6 +88,55 @@ fn join_of_a_u() {
         |aaaaaaaaaaa|";
     assert_eq!(given_out(&scan), Picture::parse(art));
     assert_eq!(joins(&scan), [Join { from: Label(3), into: Label(1) }]);
+}
+
+/// Two walls that lean to either side of a line, which is the last row: it is in the planes of both, which are of the same
+/// size, and the left one gets it. The two are no one plane.
+#[test]
+fn equal_regions() {
+    let last_deg = 2f64;
+    let foot_m = 3.0 * last_deg.to_radians().tan();
+    // x = 3 + lean (z - foot): the upper end of the left wall is nearer, that of the right one farther away
+    let scan = scanner(5, 12, 0.0, |[x, y, z]| {
+        let lean = if y < 0.0 { 1.0 } else { -1.0 };
+        (3.0 - lean * foot_m) / (x - lean * z)
+    });
+    let art = "
+        |aaaaaabbbbbb|
+        |aaaaaabbbbbb|
+        |aaaaaabbbbbb|
+        |aaaaaabbbbbb|
+        |aaaaaaaaaaaa|";
+    assert_eq!(given_out(&scan), Picture::parse(art));
+    assert_eq!(joins(&scan), []);
+}
+
+/// A wall of nine pixels beside a line of eleven that is 0.1 m before it: the next row of the wall could go on with both,
+/// and goes on with what has a plane.
+#[test]
+fn planes_before_lines() {
+    let mut scan = scanner(4, 14, 0.0, |[x, _, _]| 3.0 / x);
+    for row in 0..2 {
+        scan.range_m[row * 14 + 3..][..11].fill(0.0);
+    }
+    let line = scanner(4, 14, 0.0, |[x, _, _]| 2.9 / x);
+    scan.range_m[2 * 14 + 3..][..11].copy_from_slice(&line.range_m[2 * 14 + 3..][..11]);
+    let art = "
+        |aaa           |
+        |aaa           |
+        |aaabbbbbbbbbbb|
+        |aaaaaaaaaaaaaa|";
+    assert_eq!(given_out(&scan), Picture::parse(art));
+    assert_eq!(joins(&scan), []);
+    // without the wall above, it goes on with the line
+    scan.range_m[..2 * 14 + 3].fill(0.0);
+    scan.range_m[2 * 14..][..3].fill(0.0);
+    let art = "
+        |              |
+        |              |
+        |   aaaaaaaaaaa|
+        |aaaaaaaaaaaaaa|";
+    assert_eq!(given_out(&scan), Picture::parse(art));
 }
 
 /// Two pieces of one plane to either side of a pillar touch nowhere: two regions.

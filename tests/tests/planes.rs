@@ -1,7 +1,7 @@
-//! The plane of a large, far, noisy surface.
+//! The planes of large, far surfaces.
 
 use nalgebra::Vector3;
-use scanseg_core::{Config, TurnAxis, live_labels};
+use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_RANGE_M, Ranging, TurnAxis, live_labels};
 use scanseg_tests::reference::planes::fit_plane;
 use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Rig, Scan};
@@ -21,8 +21,9 @@ fn a_million_points_30_m_away() {
         *range_m += (0.005 * 3f64.sqrt() * gauss) as f32;
     }
     // no edges at all
-    let config = Config { range_noise_m: 1.0, roof_angle_rad: PI, step_angle_rad: FRAC_PI_2, ..Config::paper() };
-    let segments = scan.record(&config, live_labels(columns)).segments();
+    let config = EdgeConfig::paper().with_ranging(Ranging::new(1.0));
+    let config = config.with_roof_angle_rad(PI).with_step_angle_rad(FRAC_PI_2);
+    let segments = scan.record(config, live_labels(columns)).segments();
     assert_eq!(segments.len(), 1);
     let segment = segments[&1];
     assert_eq!(segment.pixels() as usize, rows * columns);
@@ -45,5 +46,32 @@ fn a_million_points_30_m_away() {
         let scale = (expected.covariance[(i, i)] * expected.covariance[(j, j)]).sqrt();
         let off = f64::from(found.covariance[i][j]) - expected.covariance[(i, j)];
         assert!(off.abs() < 1e-3 * scale, "{i}{j}: off by {:.1e}", off / scale);
+    }
+}
+
+/// Two halves of a wall at the largest range, which the last row joins: each has sums that fit, both together have not. Of
+/// such a segment it is known that its moments are not exact, and it has no plane.
+#[test]
+fn more_points_than_sums_have_room_for() {
+    let (rows, columns) = (140, MAX_COLUMNS);
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.08, step_rad: 1e-5 }, axis: TurnAxis::Y };
+    let turn_rad = (0..rows).map(|row| 1e-3 * (row as f32 - 70.0)).collect();
+    let gap = |i: usize| i % columns == columns / 2 && i / columns < rows - 1;
+    let range_m = (0..rows * columns).map(|i| if gap(i) { 0.0 } else { MAX_RANGE_M }).collect();
+    let scan = Scan { columns, range_m, turn_rad, rig };
+    let ranging = Ranging::new(10.0).with_limits(0.05, MAX_RANGE_M);
+    let config = EdgeConfig::paper().with_ranging(ranging).with_roof_angle_rad(PI).with_step_angle_rad(0.0);
+    let record = scan.record(config, 2);
+    let segments = record.segments();
+    let segment = segments[&1];
+    assert_eq!((segments.len(), segment.pixels() as usize), (1, rows * columns - (rows - 1)));
+    assert!(!segment.moments.is_exact() && segment.plane().is_none(), "{segment:?}");
+
+    // one row less, and they are two
+    let halves = scan.cut(rows - 1).record(config, 2).segments();
+    assert_eq!(halves.len(), 2);
+    for half in halves.values() {
+        let plane = half.plane().unwrap();
+        assert!(half.moments.is_exact() && plane.normal[0] < -0.99, "{half:?}");
     }
 }

@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{configs, scans};
+use common::{edge_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{
-    COUNTS_PER_RAD, Config, EdgeSegmenter, Finished, LATENCY_ROWS, MAX_ERROR_RAD, MAX_ROWS, PushError, Status, Trace,
-    TurnAxis, live_labels,
+    COUNTS_PER_RAD, EdgeConfig, EdgeSegmenter, Finished, MAX_ERROR_RAD, MAX_ROWS, PushError, Ranging, Segmenter,
+    Status, Trace, TurnAxis, live_labels,
 };
 use scanseg_tests::art::{Picture, canonical};
 use scanseg_tests::reference::edges;
@@ -17,13 +17,13 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const CASES: u32 = 100;
 
 /// What a fresh segmenter reports, with room for all labels.
-fn fresh(scan: &Scan, config: &Config) -> Record {
-    scan.record(config, live_labels(scan.columns))
+fn fresh(scan: &Scan, config: &EdgeConfig) -> Record {
+    scan.record(*config, live_labels(scan.columns))
 }
 
 /// What a segmenter with a table of `areas` live labels reports of `scan` after `before` was done with it.
-fn after(scan: &Scan, config: &Config, areas: usize, before: impl FnOnce(&mut EdgeSegmenter)) -> Record {
-    let mut room = Room::new(scan.columns, config, areas);
+fn after(scan: &Scan, config: &EdgeConfig, areas: usize, before: impl FnOnce(&mut EdgeSegmenter)) -> Record {
+    let mut room = Room::new(scan.columns, *config, areas);
     let mut segmenter = EdgeSegmenter::new(*config, scan.beams(), scan.columns, room.memory()).unwrap();
     before(&mut segmenter);
     let mut record = Record::default();
@@ -44,17 +44,14 @@ proptest! {
 
     /// Metres or feet: scaling by a power of two, which is exact, changes no bearing angle and no edge.
     #[test]
-    fn unit_of_length(scan in scans(16), config in configs(), exponent in -6i32..=2) {
+    fn unit_of_length(scan in scans(16), config in edge_configs(), exponent in -6i32..=2) {
         let factor = f32::from(exponent as i8).exp2();
         let scaled = Scan { range_m: scan.range_m.iter().map(|range_m| range_m * factor).collect(), ..scan.clone() };
-        let scaled_config = Config {
-            range_noise_m: config.range_noise_m * factor,
-            min_range_m: config.min_range_m * factor,
-            max_range_m: config.max_range_m * factor,
-            ..config
-        };
+        let Ranging { range_noise_m, min_range_m, max_range_m, .. } = config.ranging;
+        let ranging = Ranging::new(range_noise_m * factor).with_limits(min_range_m * factor, max_range_m * factor);
+        let scaled_config = config.with_ranging(ranging);
         for &trace in config.traces {
-            prop_assert_eq!(scan.counts(&config, trace), scaled.counts(&scaled_config, trace));
+            prop_assert_eq!(scan.counts(&config.ranging, trace), scaled.counts(&ranging, trace));
         }
         let columns = scan.columns;
         let (record, scaled) = (fresh(&scan, &config), fresh(&scaled, &scaled_config));
@@ -65,7 +62,7 @@ proptest! {
     /// A scan cut anywhere is a scan: it is what the reference finds in the rows pushed, and until the cut everything
     /// comes as in the whole scan.
     #[test]
-    fn cut_anywhere(scan in scans(24), config in configs(), part in 0.0f64..1.0) {
+    fn cut_anywhere(scan in scans(24), config in edge_configs(), part in 0.0f64..1.0) {
         let rows = (part * scan.turn_rad.len() as f64) as usize;
         let cut = scan.cut(rows);
         let record = fresh(&cut, &config);
@@ -85,12 +82,12 @@ proptest! {
     /// What came before leaves no trace: a whole scan, one dropped by `reset`, rows that were refused, a scan broken off.
     #[test]
     fn every_scan_starts_clean(
-        scan in scans(16), config in configs(), other in any::<u64>(), part in 0.0f64..1.0, index in 0usize..40,
+        scan in scans(16), config in edge_configs(), other in any::<u64>(), part in 0.0f64..1.0, index in 0usize..40,
     ) {
         let (rows, columns) = (scan.turn_rad.len(), scan.columns);
         // often too few, so that pixels without a label are counted
         let areas = 1 + (index * columns) % live_labels(columns);
-        let expected = scan.record(&config, areas);
+        let expected = scan.record(config, areas);
         let kind = (other % 6) as usize;
         let other = Scan { rig: scan.rig.clone(), ..scan_of(20, columns, 0, kind, other) };
         let some = 1 + (part * 19.0) as usize;
@@ -109,7 +106,7 @@ proptest! {
         prop_assert_eq!(&stopped, &expected);
 
         // refused rows in between, in every place
-        let mut room = Room::new(columns, &config, areas);
+        let mut room = Room::new(columns, config, areas);
         let mut segmenter = EdgeSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
         let mut record = Record::default();
         for row in 0..rows {
@@ -129,7 +126,7 @@ proptest! {
     /// there the mirror image is shifted by one column, and BA' = pi - Phi - BA. Along a column BA' = BA.
     #[test]
     fn mirrored(
-        rows in 1usize..12, columns in common::columns(), scene in 0usize..6, seed: u64, config in configs(), z: bool,
+        rows in 1usize..12, columns in common::columns(), scene in 0usize..6, seed: u64, config in edge_configs(), z: bool,
     ) {
         let axis = if z { TurnAxis::Z } else { TurnAxis::Y };
         let step_rad = 0.01f32;
@@ -144,7 +141,7 @@ proptest! {
             let along_row = trace == Trace::ROW;
             // column c is column `columns - 1 - c` in the mirror, less one along the row
             let last = if along_row { columns } else { columns - 1 };
-            let (counts, mirrored) = (scan.counts(&config, trace), mirror.counts(&config, trace));
+            let (counts, mirrored) = (scan.counts(&config.ranging, trace), mirror.counts(&config.ranging, trace));
             let phi = if along_row { f64::from(step_rad) } else { 0.0 };
             let phi_counts = phi * 65535.0 / std::f64::consts::PI;
             for (row, column) in scan.size().pixels().filter(|&(_, column)| !along_row || column > 0) {
@@ -158,13 +155,13 @@ proptest! {
 
             // the rounding either way at each of Sobel's weights, 8 for |gx| and 8 for |gy|, and the steps' Phi
             let traces = [trace];
-            let config = Config { traces: &traces, ..config };
+            let config = config.with_traces(&traces);
             let (eighths, steps) = (16 * (rounding / 8.0).ceil() as i32, rounding.ceil() + phi_counts.ceil());
             let bounds = [(eighths, -steps), (-eighths, steps)].map(|(eighths, steps)| {
                 let mut settings = settings(&config);
                 settings.roof_eighths = settings.roof_eighths.saturating_add_signed(eighths);
                 settings.step_counts = (f64::from(settings.step_counts) + steps).max(0.0) as u32;
-                edges::edges(&scan.image(&config), &settings, std::slice::from_ref(&counts))
+                edges::edges(&scan.image(&config.ranging), &settings, std::slice::from_ref(&counts))
             });
             let found = fresh(&mirror, &config).edges(columns);
             for (row, column) in scan.size().pixels().filter(|&(_, column)| !along_row || column > 0) {
@@ -195,8 +192,8 @@ fn refuse(segmenter: &mut EdgeSegmenter, columns: usize, record: &mut Record) {
 }
 
 /// A scan with all kinds of events, many of each, and a few rows.
-fn eventful() -> (Scan, Config<'static>) {
-    let config = Config { roof_angle_rad: PI, step_angle_rad: 0.0, ..Config::paper() };
+fn eventful() -> (Scan, EdgeConfig<'static>) {
+    let config = EdgeConfig::paper().with_roof_angle_rad(PI).with_step_angle_rad(0.0);
     let is_eventful = |scan: &Scan| {
         let events = fresh(scan, &config).events;
         let count = |wanted: fn(&Event) -> bool| events.iter().filter(|event| wanted(event)).count();
@@ -227,25 +224,6 @@ fn break_at_any_event() {
     }
 }
 
-/// Row r is given out when row r + 3 is pushed, and the last three when the scan is finished.
-#[test]
-fn latency() {
-    assert_eq!(LATENCY_ROWS, 3);
-    let (scan, config) = eventful();
-    let mut room = Room::new(scan.columns, &config, live_labels(scan.columns));
-    let mut segmenter = EdgeSegmenter::new(config, scan.beams(), scan.columns, room.memory()).unwrap();
-    let mut record = Record::default();
-    let rows_given = |record: &Record| record.pixels().len() / scan.columns;
-    for row in 0..scan.turn_rad.len() {
-        let status = segmenter.push_row(scan.row_m(row), scan.turn_rad[row], &mut record).unwrap();
-        let expected = if row < 3 { Status::Buffered } else { Status::Labelled { row: row - 3, unlabelled: 0 } };
-        assert_eq!(status, expected);
-        assert_eq!(rows_given(&record), (row + 1).saturating_sub(3));
-    }
-    assert_eq!(segmenter.finish(&mut record), Finished::Complete { rows: 9, unlabelled: 0 });
-    assert_eq!(rows_given(&record), 9);
-}
-
 /// A scan of no rows is complete.
 #[test]
 fn no_rows() {
@@ -260,13 +238,13 @@ fn no_rows() {
 fn too_many_rows() {
     let rig = Rig::Nodding { angles: Angles::Even { start_rad: 0.0, step_rad: 0.01 }, axis: TurnAxis::Y };
     let scan = Scan { columns: 1, range_m: vec![2.0; MAX_ROWS], turn_rad: vec![0.0; MAX_ROWS], rig };
-    let config = Config::paper();
-    let mut room = Room::new(1, &config, 1);
+    let config = EdgeConfig::paper();
+    let mut room = Room::new(1, config, 1);
     let mut segmenter = EdgeSegmenter::new(config, scan.beams(), 1, room.memory()).unwrap();
     let mut record = Record::default();
     push(&scan, MAX_ROWS, &mut segmenter, &mut record);
     let events = record.events.len();
-    assert_eq!(segmenter.push_row(&[2.0], 0.0, &mut record), Err(PushError::TooManyRows));
+    assert_eq!(segmenter.push_row(&[2.0], 0.0, &mut record), Err(PushError::TooManyRows { max_rows: MAX_ROWS }));
     assert_eq!(record.events.len(), events);
     record.finished = Some(segmenter.finish(&mut record));
     record.assert_order(MAX_ROWS);
@@ -275,7 +253,7 @@ fn too_many_rows() {
     assert_eq!((segments[&1].pixels(), segments[&1].first_row, segments[&1].last_row), (65_535, 0, 65_534));
     let mut next = Record::default();
     scan.cut(5).feed(&mut segmenter, &mut next).unwrap();
-    assert_eq!(next, scan.cut(5).record(&config, 1));
+    assert_eq!(next, scan.cut(5).record(config, 1));
 }
 
 /// A column image of a scan whose list of column angles is its own mirror image is mirrored exactly.
@@ -284,7 +262,7 @@ fn mirrored_exactly() {
     let columns = 45;
     let half: Vec<f32> = (1..=columns / 2).map(|i| 0.03 * i as f32 + 0.01 * (i as f32).sin()).collect();
     let list: Vec<f32> = half.iter().rev().map(|angle| -angle).chain([0.0]).chain(half.iter().copied()).collect();
-    let config = Config { traces: &[Trace::COLUMN], step_angle_rad: FRAC_PI_2, ..Config::paper() };
+    let config = EdgeConfig::paper().with_traces(&[Trace::COLUMN]).with_step_angle_rad(FRAC_PI_2);
     for scene in 0..6 {
         let rig = Rig::Nodding { angles: Angles::Listed(list.clone()), axis: TurnAxis::Y };
         let scan = Scan { rig, ..scan_of(20, columns, 0, scene, 5) };

@@ -1,10 +1,9 @@
 //! The plane segmenter on recorded scans, where they are: `cargo test --test recorded -- --nocapture` prints the figures.
 
-use scanseg_core::{Config, Segment};
-use scanseg_sim::format::grey_image::GreyImage;
-use scanseg_sim::format::{Geometry, RangeImage};
+use scanseg_core::{PlaneConfig, Ranging, Segment};
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::hoover;
-use scanseg_sim::segmentation::{Approach, Segmentation};
+use scanseg_sim::segmentation::Segmentation;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -26,8 +25,8 @@ fn segment(set: &str, image: &str, geometry: &str, least_share: f64) -> Option<(
     let scan = RangeImage::from_grey(&GreyImage::read(image).unwrap(), &geometry).unwrap();
     // beyond 3 m the camera's depths come in steps of 12 mm and more
     let noise_m = if set == "office1-kinect" { 0.012 } else { geometry.range_noise_m.unwrap() };
-    let config = Config { range_noise_m: noise_m as f32, ..Config::paper() };
-    let found = Segmentation::of(&scan, &geometry, Approach::Plane, &config, None, || {}).unwrap();
+    let config = PlaneConfig::new(Ranging::new(noise_m as f32));
+    let found = Segmentation::of(&scan, &geometry, config, None, || {}).unwrap();
     assert_eq!(found.unlabelled, 0, "{set}");
     let returns = scan.range_m.iter().filter(|&&range_m| range_m > 0.0).count();
     let share = |pixels: u32| pixels as f64 / returns as f64;

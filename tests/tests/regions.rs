@@ -2,25 +2,12 @@
 
 mod common;
 
-use common::{configs, scans};
+use common::{region_configs, scans};
 use proptest::prelude::*;
-use scanseg_core::{Config, PushError, RegionSegmenter, Status, TurnAxis, live_labels};
+use scanseg_core::{PushError, Ranging, RegionConfig, RegionSegmenter, Segmenter, Status, TurnAxis, live_labels};
 use scanseg_tests::checks::regions::{assert_consistent, assert_same};
 use scanseg_tests::scenes::{scan_of, uniform};
-use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter};
-
-/// With other thresholds of lines and regions.
-fn region_configs() -> impl Strategy<Value = Config<'static>> {
-    let angles = prop::sample::select([3.0f32, 10.0, 45.0, 90.0].as_slice());
-    let distances = prop::sample::select([0.005f32, 0.0, 0.05, 1.0].as_slice());
-    let noises = prop::sample::select([0.01f32, 0.0, 0.002, 0.3].as_slice());
-    (configs(), angles, distances, noises).prop_map(|(config, angle_deg, plane_distance_m, range_noise_m)| Config {
-        line_angle_rad: angle_deg.to_radians().min(std::f32::consts::FRAC_PI_2),
-        plane_distance_m,
-        range_noise_m,
-        ..config
-    })
-}
+use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
@@ -34,9 +21,9 @@ proptest! {
     #[test]
     fn cut_anywhere(scan in scans(24), config in region_configs(), part in 0.0f64..1.0) {
         let rows = (part * scan.turn_rad.len() as f64) as usize;
-        let record = scan.cut(rows).record_regions(&config, live_labels(scan.columns));
+        let record = scan.cut(rows).record(config, live_labels(scan.columns));
         record.assert_order_of_regions(rows);
-        let whole = scan.record_regions(&config, live_labels(scan.columns));
+        let whole = scan.record(config, live_labels(scan.columns));
         prop_assert_eq!(&whole.statuses[..rows], &record.statuses[..]);
         // all but the segments that the end completes
         let ends = record.events.iter().rposition(|event| matches!(event, Event::Row { .. })).map_or(0, |last| last + 1);
@@ -50,9 +37,9 @@ proptest! {
     ) {
         let columns = scan.columns;
         let areas = 1 + (index * columns) % live_labels(columns);
-        let expected = scan.record_regions(&config, areas);
+        let expected = scan.record(config, areas);
         let other = Scan { rig: scan.rig.clone(), ..scan_of(20, columns, 0, (other % 6) as usize, other) };
-        let mut room = Room::new(columns, &config, areas);
+        let mut room = Room::new(columns, config, areas);
         let mut segmenter = RegionSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
         let mut record = || {
             let mut record = Record::default();
@@ -66,9 +53,9 @@ proptest! {
         let mut again = Record::default();
         scan.feed(&mut segmenter, &mut again).unwrap();
         prop_assert_eq!(&again, &expected);
-        segmenter.push(other.row_m(0), 0.0, &mut Record::default()).unwrap();
+        segmenter.push_row(other.row_m(0), 0.0, &mut Record::default()).unwrap();
         segmenter.reset();
-        let refused = segmenter.push(&vec![1.0; columns + 1], 0.0, &mut Record::default());
+        let refused = segmenter.push_row(&vec![1.0; columns + 1], 0.0, &mut Record::default());
         prop_assert_eq!(refused, Err(PushError::RowLength { expected: columns, got: columns + 1 }));
         let mut last = Record::default();
         scan.feed(&mut segmenter, &mut last).unwrap();
@@ -91,12 +78,12 @@ proptest! {
                 *range_m = bits(i / columns, i % columns);
             }
         }
-        let mut room = Room::new(columns, &config, live_labels(columns));
+        let mut room = Room::new(columns, config, live_labels(columns));
         let mut segmenter = RegionSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
         let mut record = Record::default();
         for row in 0..12 {
             let turn_rad = if uniform(seed, 78, row) < 0.3 { bits(row, 1 << 18) } else { scan.turn_rad[row] };
-            match segmenter.push(scan.row_m(row), turn_rad, &mut record) {
+            match segmenter.push_row(scan.row_m(row), turn_rad, &mut record) {
                 Ok(status) => {
                     let labelled = matches!(status, Status::Labelled { unlabelled: 0, .. });
                     prop_assert!(labelled, "{:?}", status);
@@ -107,7 +94,7 @@ proptest! {
                 }
             }
         }
-        segmenter.end(&mut record);
+        segmenter.finish(&mut record);
     }
 }
 
@@ -117,13 +104,14 @@ fn most_scans_are_compared() {
     let (mut compared, mut skipped, mut joins, mut segments, mut largest) = (0, 0, 0, 0, 0);
     for seed in 0..150 {
         let scan = scan_of(16, 33, seed as usize % 7, seed as usize % 6, seed);
-        for config in [Config::paper(), Config { range_noise_m: 0.0, plane_distance_m: 0.02, ..Config::paper() }] {
+        let no_noise = RegionConfig::paper().with_ranging(Ranging::new(0.0)).with_plane_distance_m(0.02);
+        for config in [RegionConfig::paper(), no_noise] {
             if !assert_same(&scan, &config) {
                 skipped += 1;
                 continue;
             }
             compared += 1;
-            let record = scan.record_regions(&config, live_labels(33));
+            let record = scan.record(config, live_labels(33));
             joins += record.events.iter().filter(|event| matches!(event, Event::Join(_))).count();
             segments += record.segments().len();
             largest += record.segments().values().filter(|segment| segment.pixels() > 100).count();
@@ -145,15 +133,16 @@ fn an_angle_below_all_digits() {
         1.0653058, 1.1762826, 1.3166962, 1.4993653, 1.7458538, 2.0954518, 2.6280913, 3.5352015, 5.4181714, 11.650255,
     ];
     let scan = Scan { columns: 10, range_m, turn_rad: vec![0.0, 0.0024543693, 0.0049087387], rig };
-    let config = Config { range_noise_m: 0.0, line_angle_rad: 1e-29, plane_distance_m: 0.05, ..Config::paper() };
-    assert_same(&scan, &config);
+    let config = RegionConfig::paper().with_ranging(Ranging::new(0.0));
+    let config = config.with_line_angle_rad(1e-29).with_plane_distance_m(0.05);
+    assert!(!assert_same(&scan, &config), "no doubt");
 }
 
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live labels. Each row is a zigzag
 /// whose corners are at every second pixel, and no two lines are in one plane.
 #[test]
 fn worst_case_of_live_labels() {
-    let config = Config { range_noise_m: 0.0, plane_distance_m: 0.0, ..Config::paper() };
+    let config = RegionConfig::paper().with_ranging(Ranging::new(0.0)).with_plane_distance_m(0.0);
     let step_rad = 0.02f32;
     for columns in 2..70 {
         for shift in [0, 1] {
@@ -177,14 +166,14 @@ fn worst_case_of_live_labels() {
                 };
                 scan.range_m[row * columns + column] = range_m as f32;
             }
-            let record = scan.record_regions(&config, live_labels(columns));
+            let record = scan.record(config, live_labels(columns));
             assert_eq!(record.unlabelled(columns).iter().sum::<u32>(), 0, "{columns} columns");
             record.assert_order_of_regions(6);
             let lines: usize =
                 (0..6).map(|row| if row * shift % 2 == 0 { columns / 2 } else { (columns - 1) / 2 }).sum();
             assert_eq!(record.segments().len(), lines.max(6), "{columns} columns, {shift}");
             if columns > 3 {
-                let lost = scan.record_regions(&config, live_labels(columns) - 2);
+                let lost = scan.record(config, live_labels(columns) - 2);
                 assert!(lost.unlabelled(columns).iter().sum::<u32>() > 0, "{columns} columns");
             }
         }

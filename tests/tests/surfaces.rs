@@ -2,29 +2,28 @@
 
 mod common;
 
-use common::{configs, scans};
+use common::{plane_configs, scans};
 use proptest::prelude::*;
-use scanseg_core::{Config, Finished, PlaneSegmenter, PushError, Status, TurnAxis, live_labels};
+use scanseg_core::{
+    Finished, PlaneConfig, PlaneSegmenter, PushError, Ranging, Segmenter, Status, TurnAxis, live_labels,
+};
 use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_tests::checks::planes::{assert_adds_up, assert_consistent, assert_same};
 use scanseg_tests::reference::planes::fit_plane;
 use scanseg_tests::reference::surfaces::surfaces;
 use scanseg_tests::scenes::{scan_of, scanner, uniform};
-use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan, Segmenter};
+use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan};
 use std::collections::BTreeMap;
 
-/// With less noise too, down to none.
-fn plane_configs() -> impl Strategy<Value = Config<'static>> {
-    let noises = prop::sample::select([0.01f32, 0.0, 0.002, 0.3].as_slice());
-    (configs(), noises).prop_map(|(config, range_noise_m)| Config { range_noise_m, ..config })
-}
+/// Ranges with 1 cm of noise.
+const DEFAULT: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
     fn what_is_told_adds_up(scan in scans(24), config in plane_configs()) {
-        let record = scan.record_planes(&config, live_labels(scan.columns));
+        let record = scan.record(config, live_labels(scan.columns));
         record.assert_order_of_planes(scan.turn_rad.len());
         assert_adds_up(&scan, &config, &record);
     }
@@ -33,9 +32,9 @@ proptest! {
     #[test]
     fn cut_anywhere(scan in scans(24), config in plane_configs(), part in 0.0f64..1.0) {
         let rows = (part * scan.turn_rad.len() as f64) as usize;
-        let record = scan.cut(rows).record_planes(&config, live_labels(scan.columns));
+        let record = scan.cut(rows).record(config, live_labels(scan.columns));
         record.assert_order_of_planes(rows);
-        let whole = scan.record_planes(&config, live_labels(scan.columns));
+        let whole = scan.record(config, live_labels(scan.columns));
         prop_assert_eq!(&whole.statuses[..rows], &record.statuses[..]);
         // all but the segments that the end completes
         let ends = record.events.iter().rposition(|event| matches!(event, Event::Row { .. })).map_or(0, |last| last + 1);
@@ -49,9 +48,9 @@ proptest! {
     ) {
         let columns = scan.columns;
         let areas = 1 + (index * columns) % live_labels(columns);
-        let expected = scan.record_planes(&config, areas);
+        let expected = scan.record(config, areas);
         let other = Scan { rig: scan.rig.clone(), ..scan_of(20, columns, 0, (other % 6) as usize, other) };
-        let mut room = Room::new(columns, &config, areas);
+        let mut room = Room::new(columns, config, areas);
         let mut segmenter = PlaneSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
         let mut record = || {
             let mut record = Record::default();
@@ -67,9 +66,9 @@ proptest! {
         let mut again = Record::default();
         scan.feed(&mut segmenter, &mut again).unwrap();
         prop_assert_eq!(&again, &expected);
-        segmenter.push(other.row_m(0), 0.0, &mut Record::default()).unwrap();
+        segmenter.push_row(other.row_m(0), 0.0, &mut Record::default()).unwrap();
         segmenter.reset();
-        let refused = segmenter.push(&vec![1.0; columns + 1], 0.0, &mut Record::default());
+        let refused = segmenter.push_row(&vec![1.0; columns + 1], 0.0, &mut Record::default());
         prop_assert_eq!(refused, Err(PushError::RowLength { expected: columns, got: columns + 1 }));
         let mut last = Record::default();
         scan.feed(&mut segmenter, &mut last).unwrap();
@@ -85,7 +84,8 @@ proptest! {
     /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.
     #[test]
     fn any_bits(columns in common::columns(), rig in 0usize..7, seed: u64, config in plane_configs(), wide: bool) {
-        let config = if wide { Config { min_range_m: 1e-6, max_range_m: 500.0, ..config } } else { config };
+        let ranging = if wide { config.ranging.with_limits(1e-6, 500.0) } else { config.ranging };
+        let config = config.with_ranging(ranging);
         let mut scan = scan_of(12, columns, rig, 0, seed);
         let bits = |row, column| f32::from_bits((uniform(seed ^ 9, row, column) * 4294967296.0) as u32);
         for (i, range_m) in scan.range_m.iter_mut().enumerate() {
@@ -95,13 +95,13 @@ proptest! {
                 *range_m = [1e-5, 2e-4, 499.0][i / columns % 3];
             }
         }
-        let mut room = Room::new(columns, &config, live_labels(columns));
+        let mut room = Room::new(columns, config, live_labels(columns));
         let mut segmenter = PlaneSegmenter::new(config, scan.beams(), columns, room.memory()).unwrap();
         let mut record = Record::default();
         let mut rows = 0;
         for row in 0..12 {
             let turn_rad = if uniform(seed, 78, row) < 0.3 { bits(row, 1 << 18) } else { scan.turn_rad[row] };
-            match segmenter.push(scan.row_m(row), turn_rad, &mut record) {
+            match segmenter.push_row(scan.row_m(row), turn_rad, &mut record) {
                 Ok(status) => {
                     record.statuses.push(status);
                     rows += 1;
@@ -112,7 +112,7 @@ proptest! {
                 }
             }
         }
-        record.finished = Some(segmenter.end(&mut record));
+        record.finished = Some(segmenter.finish(&mut record));
         record.assert_order_of_planes(rows);
     }
 }
@@ -124,7 +124,7 @@ fn scans_hold_all_cases() {
     let (mut life, mut largest, mut full) = ([0; 4], 0, 0);
     for seed in 0..300 {
         let scan = scan_of(24, 33, seed as usize % 7, seed as usize % 6, seed);
-        let record = scan.record_planes(&Config::paper(), live_labels(33));
+        let record = scan.record(DEFAULT, live_labels(33));
         let of_scan = record.assert_order_of_planes(24);
         for (sum, more) in
             life.iter_mut().zip([of_scan.begun as usize, of_scan.joins, of_scan.resumed, of_scan.reports])
@@ -132,7 +132,7 @@ fn scans_hold_all_cases() {
             *sum += more;
         }
         largest += record.segments().values().filter(|segment| segment.pixels() > 100).count();
-        let few = scan.record_planes(&Config::paper(), 4);
+        let few = scan.record(DEFAULT, 4);
         full += usize::from(few.unlabelled(33).iter().sum::<u32>() > 0);
     }
     println!("begun, joins, resumed, reports {life:?}; {largest} of 100 pixels; {full} times full");
@@ -149,13 +149,13 @@ fn same_as_the_reference() {
         let columns = [9, 17, 33, 40][seed as usize % 4];
         let scan = scan_of(16, columns, seed as usize % 7, seed as usize % 6, seed);
         for range_noise_m in [0.01, 0.0] {
-            let config = Config { range_noise_m, ..Config::paper() };
+            let config = PlaneConfig::new(Ranging::new(range_noise_m));
             if !assert_same(&scan, &config) {
                 skipped += 1;
                 continue;
             }
             compared += 1;
-            let record = scan.record_planes(&config, live_labels(columns));
+            let record = scan.record(config, live_labels(columns));
             let life = record.assert_order_of_planes(16);
             (joins, resumed) = (joins + life.joins, resumed + life.resumed);
             largest += record.segments().values().filter(|segment| segment.pixels() > 100).count();
@@ -169,8 +169,8 @@ fn same_as_the_reference() {
 /// that single precision has only if it does not subtract sums of products.
 #[test]
 fn digits_of_a_grazing_line() {
-    let config = Config { range_noise_m: 0.3, min_range_m: 1.0, ..Config::paper() };
-    assert_same(&scan_of(4, 69, 0, 0, 0), &config);
+    let config = PlaneConfig::new(Ranging::new(0.3).with_limits(1.0, 100.0));
+    assert!(assert_same(&scan_of(4, 69, 0, 0, 0), &config), "in doubt");
 }
 
 /// Planes of two pixels a row, 40 deg apart, that meet at a pixel three times as far: which one it follows depends on to which
@@ -190,15 +190,15 @@ fn planes_of_few_points_from_afar() {
         1.968789, 1.9808648, 1.0002335, 0.6854491, 0.8201929, 2.5452054, 12.319129, 4.088859, 3.585539,
         2.002842, 2.015197, 1.0133076, 0.69407505, 0.83068526, 2.5845704, 12.676468, 4.1594415, 3.6448889,
     ];
-    let config = Config { min_range_m: 1.0, ..Config::paper() };
-    assert_same(&Scan { columns: 9, range_m, turn_rad, rig }, &config);
+    let config = PlaneConfig::new(Ranging::new(0.01).with_limits(1.0, 100.0));
+    assert!(!assert_same(&Scan { columns: 9, range_m, turn_rad, rig }, &config), "no doubt");
 }
 
 /// A row that is turned further than was reported, by more and more, in front of a wall and a slope on which alone it shows:
 /// it is believed as soon as in the reference.
 #[test]
 fn turns_are_believed_as_soon() {
-    let config = Config::paper();
+    let config = DEFAULT;
     let room = |[x, y, z]: [f64; 3]| if y > 0.07 { 2.0 / (x - 0.6 * z) } else { 2.5 / x };
     let mut compared = 0;
     for step in 0..100 {
@@ -225,8 +225,8 @@ fn lines_end_at_large_steps() {
             *range_m = if column < near { 1.0 / angle.cos() } else { far / (angle - 0.1).cos() };
             *range_m += noise_m * 12f32.sqrt() * (uniform(case as u64, 0, column) as f32 - 0.5);
         }
-        let config = Config { range_noise_m: noise_m, ..Config::paper() };
-        let labels = scan.record_planes(&config, live_labels(40)).labels();
+        let config = PlaneConfig::new(Ranging::new(noise_m));
+        let labels = scan.record(config, live_labels(40)).labels();
         assert_ne!(labels[near - 1], labels[near], "{far} m behind {near} pixels, noise {noise_m} m: {labels:?}");
     }
 }
@@ -245,14 +245,14 @@ fn agreement(one: &[u32], other: &[u32]) -> f64 {
 }
 
 /// A simulated office at 1 deg.
-fn office(scene: u32, noise_m: f64) -> (Scan, Config<'static>) {
+fn office(scene: u32, noise_m: f64) -> (Scan, PlaneConfig) {
     let (rows, columns) = (100, 181);
     let sensor = Sensor { range_noise_m: noise_m, ..Sensor::nodding(rows, columns) };
     let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
     let angles = Angles::Even { start_rad: (-90f32).to_radians(), step_rad: 1f32.to_radians() };
     let turn_rad = (0..rows).map(|row| (50.0 - row as f32).to_radians()).collect();
     let scan = Scan { columns, range_m, turn_rad, rig: Rig::Nodding { angles, axis: TurnAxis::Y } };
-    (scan, Config { range_noise_m: noise_m.max(0.001) as f32, ..Config::paper() })
+    (scan, PlaneConfig::new(Ranging::new(noise_m.max(0.001) as f32)))
 }
 
 /// Simulated offices, each with some decisions in doubt: the labels are those of the reference but for few pixels.
@@ -263,8 +263,13 @@ fn offices_as_in_the_reference() {
         for scene in 0..4 {
             let (scan, config) = office(scene, noise_m);
             let room = live_labels(scan.columns);
-            let expected = surfaces(&scan.image(&config), &scan.reference_beams(), config.range_noise_m.into(), room);
-            let labels = scan.record_planes(&config, room).labels();
+            let expected = surfaces(
+                &scan.image(&config.ranging),
+                &scan.reference_beams(),
+                config.ranging.range_noise_m.into(),
+                room,
+            );
+            let labels = scan.record(config, room).labels();
             let agreement = agreement(&labels, &expected.labels);
             println!("scene {scene}, {noise_m} m: {agreement:.4}, {:?}", expected.doubt);
             all.push(agreement);
@@ -285,8 +290,8 @@ fn mirrored_offices() {
         let mirror = |pixels: &[f32]| pixels.chunks(scan.columns).flat_map(|row| row.iter().rev().copied()).collect();
         let mirrored = Scan { range_m: mirror(&scan.range_m), ..scan.clone() };
         let room = live_labels(scan.columns);
-        let labels = scan.record_planes(&config, room).labels();
-        let back = mirrored.record_planes(&config, room).labels();
+        let labels = scan.record(config, room).labels();
+        let back = mirrored.record(config, room).labels();
         let back: Vec<u32> = back.chunks(scan.columns).flat_map(|row| row.iter().rev().copied()).collect();
         let agreement = agreement(&labels, &back);
         println!("scene {scene}, {noise_m} m: {agreement:.4} as in the mirror");
@@ -298,7 +303,7 @@ fn mirrored_offices() {
 #[test]
 fn planes_of_an_office() {
     let (scan, config) = office(3, 0.005);
-    let record = scan.record_planes(&config, live_labels(scan.columns));
+    let record = scan.record(config, live_labels(scan.columns));
     let (labels, beams) = (record.labels(), scan.reference_beams());
     let mut compared = 0;
     for (label, segment) in record.segments().into_iter().filter(|(_, segment)| segment.pixels() >= 100) {

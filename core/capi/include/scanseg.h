@@ -43,12 +43,14 @@
 
 
 /**
- * `approach`: planes that go on from row to row. The default, and right at the noise of real scanners.
+ * `approach`: planes that go on from row to row. The default, and right at the noise of real
+ * scanners.
  */
 #define SCANSEG_PLANE 0
 
 /**
- * `approach`: areas between edges of bearing-angle images, as in the paper. Labels come three rows late.
+ * `approach`: areas between edges of bearing-angle images, as in the paper. Labels come three rows
+ * late.
  */
 #define SCANSEG_EDGE 1
 
@@ -64,19 +66,20 @@
 #define SCANSEG_NODDING_Y 1
 
 /**
- * `beams`: a 2D scanner whose scan plane pans about the axis z (upright). Direction = (cos b cos t, cos b sin t, sin b).
+ * `beams`: a 2D scanner whose scan plane pans about the axis z (upright). Direction = (cos b cos
+ * t, cos b sin t, sin b).
  */
 #define SCANSEG_NODDING_Z 2
 
 /**
- * `beams`: a spinning scanner. Direction = (cos e cos a, cos e sin a, sin e) for the column angle a (azimuth) and the row
- * angle e (elevation).
+ * `beams`: a spinning scanner. Direction = (cos e cos a, cos e sin a, sin e) for the column angle
+ * a (azimuth) and the row angle e (elevation).
  */
 #define SCANSEG_SPINNING 3
 
 /**
- * `beams`: a camera. Direction = (1, -(u - cx) / fx, -(v - cy) / fy), normalised, for column u and row v. Ranges are along
- * the beam, not depths.
+ * `beams`: a camera. Direction = (1, -(u - cx) / fx, -(v - cy) / fy), normalised, for column u and
+ * row v. Ranges are along the beam, not depths.
  */
 #define SCANSEG_PINHOLE 4
 
@@ -116,13 +119,15 @@
 #define SCANSEG_JOIN 1
 
 /**
- * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined with another one that
- * turns out to be a part of the same surface; then it is given again when that is complete, and the later one counts.
+ * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
+ * with another one that turns out to be a part of the same surface; then it is given again when
+ * that is complete, and the later one counts.
  */
 #define SCANSEG_SEGMENT 2
 
 /**
- * Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the others are not.
+ * Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the
+ * others are not.
  */
 #define SCANSEG_LATENCY_ROWS 3
 
@@ -147,8 +152,8 @@
 #define SCANSEG_VERSION_PATCH 0
 
 /**
- * Counts the incompatible changes of structs and functions. `scanseg_config_init` and `scanseg_init` compare it with the
- * library's.
+ * Counts the incompatible changes of structs and functions. `scanseg_config_init` and
+ * `scanseg_init` compare it with the library's.
  */
 #define SCANSEG_ABI_VERSION 1
 
@@ -158,8 +163,8 @@
 typedef struct scanseg_segmenter scanseg_segmenter;
 
 /**
- * What a call answers: one of the `SCANSEG_` statuses. 0 is success, above 0 there is something to know, below 0 the call
- * did nothing.
+ * What a call answers: one of the `SCANSEG_` statuses. 0 is success, above 0 there is something to
+ * know, below 0 the call did nothing.
  */
 typedef int32_t scanseg_status;
 
@@ -178,8 +183,9 @@ typedef struct scanseg_trace {
 } scanseg_trace;
 
 /**
- * The configuration of a segmenter. `scanseg_config_init` sets it to the defaults; then at least `columns` and `beams` are
- * to be set, and what the beams need. It is copied: nothing of it need stay after `scanseg_init`.
+ * The configuration of a segmenter. `scanseg_config_init` sets it to the defaults; then at least
+ * `columns` and `beams` are to be set, and what the beams need. It is copied: nothing of it need
+ * stay after `scanseg_init`.
  */
 typedef struct scanseg_config {
     /**
@@ -199,20 +205,23 @@ typedef struct scanseg_config {
      */
     uint32_t columns;
     /**
-     * Most live labels; 0 (default): as many as any image needs, columns / 2 + 1. Fewer save 84 bytes each.
+     * Most live labels; 0 (default): as many as any image needs, columns / 2 + 1. Fewer save 84
+     * bytes each.
      */
     uint32_t max_labels;
     /**
-     * `SCANSEG_NODDING_Y`, `SCANSEG_NODDING_Z`, `SCANSEG_SPINNING` or `SCANSEG_PINHOLE`. No default.
+     * `SCANSEG_NODDING_Y`, `SCANSEG_NODDING_Z`, `SCANSEG_SPINNING` or `SCANSEG_PINHOLE`. No
+     * default.
      */
     uint32_t beams;
     /**
-     * Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round exactly once.
+     * Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round
+     * exactly once.
      */
     uint32_t wraps;
     /**
-     * Nodding and spinning, even columns: angle of column 0, radians, within +-2 pi. Nodding: measured from the middle of
-     * the scan plane, so that the axis is at +-pi / 2.
+     * Nodding and spinning, even columns: angle of column 0, radians, within +-2 pi. Nodding:
+     * measured from the middle of the scan plane, so that the axis is at +-pi / 2.
      */
     float column_start_rad;
     /**
@@ -220,7 +229,8 @@ typedef struct scanseg_config {
      */
     float column_step_rad;
     /**
-     * Nodding and spinning, columns that are not even: one angle per column, radians. NULL: they are even.
+     * Nodding and spinning, columns that are not even: one angle per column, radians. NULL: they
+     * are even.
      */
     const float *column_angles_rad;
     /**
@@ -256,11 +266,13 @@ typedef struct scanseg_config {
      */
     float max_range_m;
     /**
-     * Edge: a roof edge is where the bearing angle turns by this much, radians, above 0, up to pi; default 20 deg.
+     * Edge: a roof edge is where the bearing angle turns by this much, radians, above 0, up to pi;
+     * default 20 deg.
      */
     float roof_angle_rad;
     /**
-     * Edge: a step edge needs a bearing angle within this of 0 or pi, radians, 0 to pi / 2; default 6 deg.
+     * Edge: a step edge needs a bearing angle within this of 0 or pi, radians, 0 to pi / 2;
+     * default 6 deg.
      */
     float step_angle_rad;
     /**
@@ -268,11 +280,13 @@ typedef struct scanseg_config {
      */
     uint32_t closing;
     /**
-     * Region: a line ends where the bearing angle turns by this much, radians, above 0, up to pi / 2; default 3 deg.
+     * Region: a line ends where the bearing angle turns by this much, radians, above 0, up to pi /
+     * 2; default 3 deg.
      */
     float line_angle_rad;
     /**
-     * Region: how far a surface may be from a plane beside the noise, metres, 0 to 1; default 0.005.
+     * Region: how far a surface may be from a plane beside the noise, metres, 0 to 1; default
+     * 0.005.
      */
     float plane_distance_m;
     /**
@@ -280,13 +294,15 @@ typedef struct scanseg_config {
      */
     uint32_t trace_count;
     /**
-     * Edge: the traces whose edges are combined; default: along rows and along columns, between neighbours.
+     * Edge: the traces whose edges are combined; default: along rows and along columns, between
+     * neighbours.
      */
     struct scanseg_trace traces[SCANSEG_MAX_TRACES];
 } scanseg_config;
 
 /**
- * Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set, the rest is 0.
+ * Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set,
+ * the rest is 0.
  */
 typedef struct scanseg_event {
     /**
@@ -294,7 +310,8 @@ typedef struct scanseg_event {
      */
     uint32_t kind;
     /**
-     * The segment's label, or the label that ends here. Labels count up from 1 and are never used twice within a scan.
+     * The segment's label, or the label that ends here. Labels count up from 1 and are never used
+     * twice within a scan.
      */
     uint32_t label;
     /**
@@ -318,7 +335,8 @@ typedef struct scanseg_event {
      */
     uint16_t first_column;
     /**
-     * Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last one.
+     * Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last
+     * one.
      */
     uint16_t last_column;
     /**
@@ -326,20 +344,23 @@ typedef struct scanseg_event {
      */
     int64_t first_moments[3];
     /**
-     * Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See `scanseg_fit_plane`.
+     * Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
+     * `scanseg_fit_plane`.
      */
     int64_t second_moments[6];
 } scanseg_event;
 
 /**
- * Called with each event while a call runs: `user` is that of the output, the event lives for the call. Answer 0 to go on,
- * anything else to drop the scan. It must return (no exception, no longjmp), and must not use the segmenter.
+ * Called with each event while a call runs: `user` is that of the output, the event lives for the
+ * call. Answer 0 to go on, anything else to drop the scan. It must return (no exception, no
+ * longjmp), and must not use the segmenter.
  */
 typedef int32_t (*scanseg_on_event)(void *user, const struct scanseg_event *event);
 
 /**
- * Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set what you want, and use it
- * for all calls. Everything may be left out: without labels and events only the callback is told, and so on.
+ * Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set
+ * what you want, and use it for all calls. Everything may be left out: without labels and events
+ * only the callback is told, and so on.
  */
 typedef struct scanseg_output {
     /**
@@ -351,8 +372,8 @@ typedef struct scanseg_output {
      */
     uint32_t first_row;
     /**
-     * For the labels, one per pixel, row after row: the label of a segment, `SCANSEG_NO_RETURN`, `SCANSEG_ON_EDGE` or
-     * `SCANSEG_UNLABELLED`. NULL: no labels.
+     * For the labels, one per pixel, row after row: the label of a segment, `SCANSEG_NO_RETURN`,
+     * `SCANSEG_ON_EDGE` or `SCANSEG_UNLABELLED`. NULL: no labels.
      */
     uint32_t *labels;
     /**
@@ -389,7 +410,8 @@ typedef struct scanseg_output {
      */
     uint32_t row_count;
     /**
-     * Given out: pixels in these rows that got no label, because the table of live labels was full.
+     * Given out: pixels in these rows that got no label, because the table of live labels was
+     * full.
      */
     uint32_t unlabelled;
     /**
@@ -419,7 +441,8 @@ typedef struct scanseg_plane {
      */
     float rms_m;
     /**
-     * Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and m^2. Of rank 3.
+     * Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and
+     * m^2. Of rank 3.
      */
     float covariance[4][4];
 } scanseg_plane;
@@ -430,7 +453,8 @@ typedef struct scanseg_plane {
 #define SCANSEG_OK 0
 
 /**
- * Done; but the array of events was full, and `events_lost` events did not fit. A callback was given all of them.
+ * Done; but the array of events was full, and `events_lost` events did not fit. A callback was
+ * given all of them.
  */
 #define SCANSEG_EVENTS_FULL 1
 
@@ -440,7 +464,8 @@ typedef struct scanseg_plane {
 #define SCANSEG_STOPPED 2
 
 /**
- * The points have no plane: fewer than four, on a line, or too many and far to be summed up exactly.
+ * The points have no plane: fewer than four, on a line, or too many and far to be summed up
+ * exactly.
  */
 #define SCANSEG_NO_PLANE 3
 
@@ -450,7 +475,8 @@ typedef struct scanseg_plane {
 #define SCANSEG_ERROR_NULL -1
 
 /**
- * `struct_size` is not that of this library: the header is of another version, or the field was not set.
+ * `struct_size` is not that of this library: the header is of another version, or the field was
+ * not set.
  */
 #define SCANSEG_ERROR_STRUCT_SIZE -2
 
@@ -534,20 +560,23 @@ uint32_t scanseg_abi_version(void);
 const char *scanseg_strerror(scanseg_status status);
 
 /**
- * Sets a configuration to the defaults: `scanseg_config_init(&config, sizeof config, SCANSEG_ABI_VERSION)`.
+ * Sets a configuration to the defaults:
+ * `scanseg_config_init(&config, sizeof config, SCANSEG_ABI_VERSION)`.
  *
  * @return `SCANSEG_OK`, or an error if the header is of another version than the library.
  */
 scanseg_status scanseg_config_init(struct scanseg_config *config, uint32_t struct_size, uint32_t abi_version);
 
 /**
- * Name of the first field of a configuration that cannot be used; NULL if there is none, or no configuration.
+ * Name of the first field of a configuration that cannot be used; NULL if there is none, or no
+ * configuration.
  */
 const char *scanseg_bad_field(const struct scanseg_config *config);
 
 /**
- * Bytes that a segmenter of this configuration needs: at most `SCANSEG_STATE_SIZE(columns)`, or what
- * `SCANSEG_STATE_SIZE_WITH` gives. To be aligned to `SCANSEG_STATE_ALIGN`, which any memory of `malloc` is.
+ * Bytes that a segmenter of this configuration needs: at most `SCANSEG_STATE_SIZE(columns)`, or
+ * what `SCANSEG_STATE_SIZE_WITH` gives. To be aligned to `SCANSEG_STATE_ALIGN`, which any memory
+ * of `malloc` is.
  *
  * @param size is set to the bytes; to 0 if there is an error.
  * @return `SCANSEG_OK`, or what is wrong with the configuration.
@@ -560,8 +589,8 @@ scanseg_status scanseg_state_size(const struct scanseg_config *config, size_t *s
 size_t scanseg_state_align(void);
 
 /**
- * Makes a segmenter in `memory`, ready for the first row. What the memory held before does not matter. The memory stays the
- * caller's, who leaves it alone until done with the segmenter.
+ * Makes a segmenter in `memory`, ready for the first row. What the memory held before does not
+ * matter. The memory stays the caller's, who leaves it alone until done with the segmenter.
  *
  * @param size bytes of `memory`; see `scanseg_state_size`.
  * @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is an error.
@@ -590,8 +619,9 @@ scanseg_status scanseg_push_row(struct scanseg_segmenter *segmenter,
                                 struct scanseg_output *output);
 
 /**
- * Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to `SCANSEG_LATENCY_ROWS` rows) and
- * completes all segments. Before the next scan the segmenter is to be reset.
+ * Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to
+ * `SCANSEG_LATENCY_ROWS` rows) and completes all segments. Before the next scan the segmenter is
+ * to be reset.
  *
  * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes on.
  */
@@ -603,7 +633,8 @@ scanseg_status scanseg_finish(struct scanseg_segmenter *segmenter, struct scanse
 scanseg_status scanseg_reset(struct scanseg_segmenter *segmenter);
 
 /**
- * The plane of a segment. Some 2000 operations in double precision: ask for the segments that matter.
+ * The plane of a segment. Some 2000 operations in double precision: ask for the segments that
+ * matter.
  *
  * @param segment an event of the kind `SCANSEG_SEGMENT`.
  * @param plane is set to the plane, unless there is none or an error.

@@ -3,15 +3,18 @@
 use core::ffi::CStr;
 
 use scanseg_core::{
-    self as scanseg, Beams, Columns, ConfigError, Element, MAX_COLUMNS, Memory, PlaneSegmenter, TurnAxis,
+    self as scanseg, AnyConfig, AnySegmenter, Beams, Columns, ConfigError, EdgeConfig, Element, MAX_COLUMNS, Memory,
+    PlaneConfig, Ranging, RegionConfig, Sizes, TurnAxis,
 };
 
 use crate::status::{SCANSEG_ERROR_ABI_VERSION, SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_CONFIG, Status};
 use crate::{SCANSEG_ABI_VERSION, check_pointer, check_struct};
 
-/// `approach`: planes that go on from row to row. The default, and right at the noise of real scanners.
+/// `approach`: planes that go on from row to row. The default, and right at the noise of real
+/// scanners.
 pub const SCANSEG_PLANE: u32 = 0;
-/// `approach`: areas between edges of bearing-angle images, as in the paper. Labels come three rows late.
+/// `approach`: areas between edges of bearing-angle images, as in the paper. Labels come three rows
+/// late.
 pub const SCANSEG_EDGE: u32 = 1;
 /// `approach`: regions grown from the lines of each row, the paper's other one.
 pub const SCANSEG_REGION: u32 = 2;
@@ -19,13 +22,14 @@ pub const SCANSEG_REGION: u32 = 2;
 /// `beams`: a 2D scanner whose scan plane tilts about the axis y (to the left).
 /// Direction = (cos b cos t, sin b, cos b sin t) for the column angle b and the row angle t.
 pub const SCANSEG_NODDING_Y: u32 = 1;
-/// `beams`: a 2D scanner whose scan plane pans about the axis z (upright). Direction = (cos b cos t, cos b sin t, sin b).
+/// `beams`: a 2D scanner whose scan plane pans about the axis z (upright). Direction = (cos b cos
+/// t, cos b sin t, sin b).
 pub const SCANSEG_NODDING_Z: u32 = 2;
-/// `beams`: a spinning scanner. Direction = (cos e cos a, cos e sin a, sin e) for the column angle a (azimuth) and the row
-/// angle e (elevation).
+/// `beams`: a spinning scanner. Direction = (cos e cos a, cos e sin a, sin e) for the column angle
+/// a (azimuth) and the row angle e (elevation).
 pub const SCANSEG_SPINNING: u32 = 3;
-/// `beams`: a camera. Direction = (1, -(u - cx) / fx, -(v - cy) / fy), normalised, for column u and row v. Ranges are along
-/// the beam, not depths.
+/// `beams`: a camera. Direction = (1, -(u - cx) / fx, -(v - cy) / fy), normalised, for column u and
+/// row v. Ranges are along the beam, not depths.
 pub const SCANSEG_PINHOLE: u32 = 4;
 
 /// `closing`: a pixel and its four neighbours, as in the paper.
@@ -46,8 +50,9 @@ pub struct Trace {
     pub columns: i8,
 }
 
-/// The configuration of a segmenter. `scanseg_config_init` sets it to the defaults; then at least `columns` and `beams` are
-/// to be set, and what the beams need. It is copied: nothing of it need stay after `scanseg_init`.
+/// The configuration of a segmenter. `scanseg_config_init` sets it to the defaults; then at least
+/// `columns` and `beams` are to be set, and what the beams need. It is copied: nothing of it need
+/// stay after `scanseg_init`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Config {
@@ -59,19 +64,23 @@ pub struct Config {
     pub approach: u32,
     /// Columns of the image, 1 to 16384. No default.
     pub columns: u32,
-    /// Most live labels; 0 (default): as many as any image needs, columns / 2 + 1. Fewer save 84 bytes each.
+    /// Most live labels; 0 (default): as many as any image needs, columns / 2 + 1. Fewer save 84
+    /// bytes each.
     pub max_labels: u32,
 
-    /// `SCANSEG_NODDING_Y`, `SCANSEG_NODDING_Z`, `SCANSEG_SPINNING` or `SCANSEG_PINHOLE`. No default.
+    /// `SCANSEG_NODDING_Y`, `SCANSEG_NODDING_Z`, `SCANSEG_SPINNING` or `SCANSEG_PINHOLE`. No
+    /// default.
     pub beams: u32,
-    /// Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round exactly once.
+    /// Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round
+    /// exactly once.
     pub wraps: u32,
-    /// Nodding and spinning, even columns: angle of column 0, radians, within +-2 pi. Nodding: measured from the middle of
-    /// the scan plane, so that the axis is at +-pi / 2.
+    /// Nodding and spinning, even columns: angle of column 0, radians, within +-2 pi. Nodding:
+    /// measured from the middle of the scan plane, so that the axis is at +-pi / 2.
     pub column_start_rad: f32,
     /// From a column to the next, radians; not 0, within +-pi / 2.
     pub column_step_rad: f32,
-    /// Nodding and spinning, columns that are not even: one angle per column, radians. NULL: they are even.
+    /// Nodding and spinning, columns that are not even: one angle per column, radians. NULL: they
+    /// are even.
     pub column_angles_rad: *const f32,
     /// Elements of `column_angles_rad`: `columns`, or 0 for even columns.
     pub column_angle_count: u32,
@@ -90,27 +99,32 @@ pub struct Config {
     pub min_range_m: f32,
     /// Farther ranges are no return, metres, up to 500; default 100.
     pub max_range_m: f32,
-    /// Edge: a roof edge is where the bearing angle turns by this much, radians, above 0, up to pi; default 20 deg.
+    /// Edge: a roof edge is where the bearing angle turns by this much, radians, above 0, up to pi;
+    /// default 20 deg.
     pub roof_angle_rad: f32,
-    /// Edge: a step edge needs a bearing angle within this of 0 or pi, radians, 0 to pi / 2; default 6 deg.
+    /// Edge: a step edge needs a bearing angle within this of 0 or pi, radians, 0 to pi / 2;
+    /// default 6 deg.
     pub step_angle_rad: f32,
     /// Edge: `SCANSEG_PLUS` (default) or `SCANSEG_SQUARE`.
     pub closing: u32,
-    /// Region: a line ends where the bearing angle turns by this much, radians, above 0, up to pi / 2; default 3 deg.
+    /// Region: a line ends where the bearing angle turns by this much, radians, above 0, up to pi /
+    /// 2; default 3 deg.
     pub line_angle_rad: f32,
-    /// Region: how far a surface may be from a plane beside the noise, metres, 0 to 1; default 0.005.
+    /// Region: how far a surface may be from a plane beside the noise, metres, 0 to 1; default
+    /// 0.005.
     pub plane_distance_m: f32,
     /// Edge: how many of `traces` are used, 1 to 8; default 2.
     pub trace_count: u32,
-    /// Edge: the traces whose edges are combined; default: along rows and along columns, between neighbours.
+    /// Edge: the traces whose edges are combined; default: along rows and along columns, between
+    /// neighbours.
     pub traces: [Trace; SCANSEG_MAX_TRACES],
 }
 
 impl Config {
-    pub(crate) fn paper(struct_size: u32, abi_version: u32) -> Config {
-        let paper = scanseg::Config::paper();
+    pub(crate) fn defaults(struct_size: u32, abi_version: u32) -> Config {
+        let (edge, region) = (EdgeConfig::paper(), RegionConfig::paper());
         let mut traces = [Trace { rows: 0, columns: 0 }; SCANSEG_MAX_TRACES];
-        for (trace, of) in traces.iter_mut().zip(paper.traces) {
+        for (trace, of) in traces.iter_mut().zip(edge.traces) {
             *trace = Trace { rows: of.rows, columns: of.columns };
         }
         Config {
@@ -129,15 +143,15 @@ impl Config {
             fy_px: 0.0,
             cx_px: 0.0,
             cy_px: 0.0,
-            range_noise_m: paper.range_noise_m,
-            min_range_m: paper.min_range_m,
-            max_range_m: paper.max_range_m,
-            roof_angle_rad: paper.roof_angle_rad,
-            step_angle_rad: paper.step_angle_rad,
+            range_noise_m: edge.ranging.range_noise_m,
+            min_range_m: edge.ranging.min_range_m,
+            max_range_m: edge.ranging.max_range_m,
+            roof_angle_rad: edge.roof_angle_rad,
+            step_angle_rad: edge.step_angle_rad,
             closing: SCANSEG_PLUS,
-            line_angle_rad: paper.line_angle_rad,
-            plane_distance_m: paper.plane_distance_m,
-            trace_count: paper.traces.len() as u32,
+            line_angle_rad: region.line_angle_rad,
+            plane_distance_m: region.plane_distance_m,
+            trace_count: edge.traces.len() as u32,
             traces,
         }
     }
@@ -172,7 +186,8 @@ impl<'a> Checked<'a> {
     /// Reads and checks a configuration.
     ///
     /// # Safety
-    /// `config` is NULL, or points to `struct_size` bytes, and its list to as many angles as it says, for `'a`.
+    /// `config` is NULL, or points to `struct_size` bytes, and its list to as many angles as it
+    /// says, for `'a`.
     pub unsafe fn read(config: *const Config) -> Result<Checked<'a>, Refused> {
         // SAFETY: the caller's promise; no more than the size is read before that is checked.
         let config = unsafe {
@@ -216,32 +231,54 @@ impl<'a> Checked<'a> {
         self.traces.get(..self.config.trace_count as usize).unwrap_or_default()
     }
 
-    /// Everything that the core says of it, for lists anywhere.
-    pub fn core<'b>(&self, angles_rad: &'b [f32], traces: &'b [scanseg::Trace]) -> (scanseg::Config<'b>, Beams<'b>) {
+    /// The configuration of each approach, with traces anywhere.
+    fn configs<'b>(&self, traces: &'b [scanseg::Trace]) -> [AnyConfig<'b>; 3] {
         let c = &self.config;
-        let config = scanseg::Config {
-            range_noise_m: c.range_noise_m,
-            min_range_m: c.min_range_m,
-            max_range_m: c.max_range_m,
-            traces,
-            roof_angle_rad: c.roof_angle_rad,
-            step_angle_rad: c.step_angle_rad,
-            closing: if c.closing == SCANSEG_SQUARE { Element::Square } else { Element::Plus },
-            line_angle_rad: c.line_angle_rad,
-            plane_distance_m: c.plane_distance_m,
-        };
+        let ranging = Ranging::new(c.range_noise_m).with_limits(c.min_range_m, c.max_range_m);
+        let edge = EdgeConfig::paper()
+            .with_ranging(ranging)
+            .with_traces(traces)
+            .with_roof_angle_rad(c.roof_angle_rad)
+            .with_step_angle_rad(c.step_angle_rad)
+            .with_closing(if c.closing == SCANSEG_SQUARE { Element::Square } else { Element::Plus });
+        let region = RegionConfig::paper()
+            .with_ranging(ranging)
+            .with_line_angle_rad(c.line_angle_rad)
+            .with_plane_distance_m(c.plane_distance_m);
+        [PlaneConfig::new(ranging).into(), edge.into(), region.into()]
+    }
+
+    /// The configuration of the approach that was chosen, with traces anywhere.
+    pub fn any_config<'b>(&self, traces: &'b [scanseg::Trace]) -> AnyConfig<'b> {
+        let [plane, edge, region] = self.configs(traces);
+        match self.config.approach {
+            SCANSEG_EDGE => edge,
+            SCANSEG_REGION => region,
+            _ => plane,
+        }
+    }
+
+    /// What the memory of any approach has room for.
+    pub fn sizes(&self) -> Sizes {
+        let columns = self.config.columns as usize;
+        let [plane, edge, region] = self.configs(self.used_traces()).map(|config| config.sizes(columns));
+        plane.max(edge).max(region)
+    }
+
+    /// The beams, with a list of column angles anywhere.
+    pub fn beams<'b>(&self, angles_rad: &'b [f32]) -> Beams<'b> {
+        let c = &self.config;
         let columns = if self.listed() {
             Columns::Listed(angles_rad)
         } else {
             Columns::Even { start_rad: c.column_start_rad, step_rad: c.column_step_rad }
         };
-        let beams = match c.beams {
+        match c.beams {
             SCANSEG_PINHOLE => Beams::Pinhole { fx_px: c.fx_px, fy_px: c.fy_px, cx_px: c.cx_px, cy_px: c.cy_px },
             SCANSEG_SPINNING => Beams::Spinning { columns, wraps: c.wraps == 1 },
             SCANSEG_NODDING_Z => Beams::Nodding { columns, axis: TurnAxis::Z },
             _ => Beams::Nodding { columns, axis: TurnAxis::Y },
-        };
-        (config, beams)
+        }
     }
 
     fn check(&self) -> Result<(), Refused> {
@@ -256,14 +293,19 @@ impl<'a> Checked<'a> {
                 return refuse(field);
             }
         }
-        let (config, beams) = self.core(self.angles_rad, self.used_traces());
-        let no_memory = Memory { ranges: &mut [], bearings: &mut [], words: &mut [], areas: &mut [] };
-        match PlaneSegmenter::new(config, beams, c.columns as usize, no_memory).err() {
-            // all that was wrong with it: the rest is good
-            Some(ConfigError::Memory { .. }) | None => Ok(()),
-            Some(ConfigError::Value { field, .. } | ConfigError::Count { field, .. }) => refuse(field_of(field)),
-            Some(_) => refuse(c"column_angle_count"),
+        // the settings of all approaches, whichever is chosen
+        for config in self.configs(self.used_traces()) {
+            let no_memory = Memory { numbers: &mut [], halves: &mut [], words: &mut [], areas: &mut [] };
+            match AnySegmenter::new(config, self.beams(self.angles_rad), c.columns as usize, no_memory).err() {
+                // all that was wrong with it: the rest is good
+                Some(ConfigError::Memory { .. }) | None => {}
+                Some(ConfigError::Value { field, .. } | ConfigError::Count { field, .. }) => {
+                    return refuse(field_of(field));
+                }
+                Some(_) => return refuse(c"column_angle_count"),
+            }
         }
+        Ok(())
     }
 }
 

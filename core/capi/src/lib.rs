@@ -1,13 +1,14 @@
 //! scanseg for C and C++: the functions of `include/scanseg.h`, which is made from this crate.
 //!
-//! Segmenters live in the caller's memory ([`State`]), results go to the caller's arrays ([`Output`]), and every call
-//! answers with a [`Status`]. The one crate of the project with `unsafe`, and with nothing else: the work is done by
-//! `scanseg-core`.
+//! Segmenters live in the caller's memory ([`State`]), results go to the caller's arrays
+//! ([`Output`]), and every call answers with a [`Status`]. The one crate of the project with
+//! `unsafe`, and with nothing else: the work is done by `scanseg-core`.
 //!
 //! # Safety of all functions
-//! Every pointer may be NULL or not aligned: that is answered with a status. Otherwise it points to as much as its
-//! description says, for the time of the call; what is written to overlaps nothing else. A segmenter is used by one thread
-//! at a time, and its memory is left alone while it is in use.
+//! Every pointer may be NULL or not aligned: that is answered with a status. Otherwise it points to
+//! as much as its description says, for the time of the call; what is written to overlaps nothing
+//! else. A segmenter is used by one thread at a time, and its memory is left alone while it is in
+//! use.
 #![no_std]
 #![allow(clippy::missing_safety_doc)] // the section above
 
@@ -41,8 +42,8 @@ pub const SCANSEG_VERSION_MAJOR: u32 = 0;
 pub const SCANSEG_VERSION_MINOR: u32 = 1;
 /// Version of this header: third number.
 pub const SCANSEG_VERSION_PATCH: u32 = 0;
-/// Counts the incompatible changes of structs and functions. `scanseg_config_init` and `scanseg_init` compare it with the
-/// library's.
+/// Counts the incompatible changes of structs and functions. `scanseg_config_init` and
+/// `scanseg_init` compare it with the library's.
 pub const SCANSEG_ABI_VERSION: u32 = 1;
 
 fn check_pointer<T>(pointer: *const T) -> Result<(), Status> {
@@ -92,7 +93,8 @@ pub extern "C" fn scanseg_strerror(status: Status) -> *const c_char {
     status::message(status).as_ptr()
 }
 
-/// Sets a configuration to the defaults: `scanseg_config_init(&config, sizeof config, SCANSEG_ABI_VERSION)`.
+/// Sets a configuration to the defaults:
+/// `scanseg_config_init(&config, sizeof config, SCANSEG_ABI_VERSION)`.
 ///
 /// @return `SCANSEG_OK`, or an error if the header is of another version than the library.
 #[unsafe(no_mangle)]
@@ -107,11 +109,12 @@ pub unsafe extern "C" fn scanseg_config_init(config: *mut Config, struct_size: u
         return SCANSEG_ERROR_STRUCT_SIZE;
     }
     // SAFETY: not NULL, aligned, of this size.
-    unsafe { config.write(Config::paper(struct_size, abi_version)) };
+    unsafe { config.write(Config::defaults(struct_size, abi_version)) };
     SCANSEG_OK
 }
 
-/// Name of the first field of a configuration that cannot be used; NULL if there is none, or no configuration.
+/// Name of the first field of a configuration that cannot be used; NULL if there is none, or no
+/// configuration.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn scanseg_bad_field(config: *const Config) -> *const c_char {
     // SAFETY: the caller's promise, at the head of the crate.
@@ -121,8 +124,9 @@ pub unsafe extern "C" fn scanseg_bad_field(config: *const Config) -> *const c_ch
     }
 }
 
-/// Bytes that a segmenter of this configuration needs: at most `SCANSEG_STATE_SIZE(columns)`, or what
-/// `SCANSEG_STATE_SIZE_WITH` gives. To be aligned to `SCANSEG_STATE_ALIGN`, which any memory of `malloc` is.
+/// Bytes that a segmenter of this configuration needs: at most `SCANSEG_STATE_SIZE(columns)`, or
+/// what `SCANSEG_STATE_SIZE_WITH` gives. To be aligned to `SCANSEG_STATE_ALIGN`, which any memory
+/// of `malloc` is.
 ///
 /// @param size is set to the bytes; to 0 if there is an error.
 /// @return `SCANSEG_OK`, or what is wrong with the configuration.
@@ -147,8 +151,8 @@ pub extern "C" fn scanseg_state_align() -> usize {
     state::SCANSEG_STATE_ALIGN
 }
 
-/// Makes a segmenter in `memory`, ready for the first row. What the memory held before does not matter. The memory stays the
-/// caller's, who leaves it alone until done with the segmenter.
+/// Makes a segmenter in `memory`, ready for the first row. What the memory held before does not
+/// matter. The memory stays the caller's, who leaves it alone until done with the segmenter.
 ///
 /// @param size bytes of `memory`; see `scanseg_state_size`.
 /// @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is an error.
@@ -209,8 +213,9 @@ pub unsafe extern "C" fn scanseg_push_row(
     push().unwrap_or_else(|error| error)
 }
 
-/// Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to `SCANSEG_LATENCY_ROWS` rows) and
-/// completes all segments. Before the next scan the segmenter is to be reset.
+/// Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to
+/// `SCANSEG_LATENCY_ROWS` rows) and completes all segments. Before the next scan the segmenter is
+/// to be reset.
 ///
 /// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes on.
 #[unsafe(no_mangle)]
@@ -236,7 +241,8 @@ pub unsafe extern "C" fn scanseg_reset(segmenter: *mut State) -> Status {
     status(unsafe { Handle::new(segmenter) }.map(|mut handle| handle.reset()))
 }
 
-/// The plane of a segment. Some 2000 operations in double precision: ask for the segments that matter.
+/// The plane of a segment. Some 2000 operations in double precision: ask for the segments that
+/// matter.
 ///
 /// @param segment an event of the kind `SCANSEG_SEGMENT`.
 /// @param plane is set to the plane, unless there is none or an error.

@@ -17,20 +17,24 @@ pub const SCANSEG_UNLABELLED: u32 = 0xFFFF_FFFE;
 
 /// `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
 pub const SCANSEG_JOIN: u32 = 1;
-/// `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined with another one that
-/// turns out to be a part of the same surface; then it is given again when that is complete, and the later one counts.
+/// `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
+/// with another one that turns out to be a part of the same surface; then it is given again when
+/// that is complete, and the later one counts.
 pub const SCANSEG_SEGMENT: u32 = 2;
 
-/// Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the others are not.
+/// Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the
+/// others are not.
 pub const SCANSEG_LATENCY_ROWS: usize = 3;
 
-/// Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set, the rest is 0.
+/// Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set,
+/// the rest is 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Event {
     /// `SCANSEG_JOIN` or `SCANSEG_SEGMENT`.
     pub kind: u32,
-    /// The segment's label, or the label that ends here. Labels count up from 1 and are never used twice within a scan.
+    /// The segment's label, or the label that ends here. Labels count up from 1 and are never used
+    /// twice within a scan.
     pub label: u32,
     /// Join: the label that goes on.
     pub into: u32,
@@ -42,11 +46,13 @@ pub struct Event {
     pub last_row: u16,
     /// Segment: leftmost column with a pixel of it. Across the seam of a wrapped image: 0.
     pub first_column: u16,
-    /// Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last one.
+    /// Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last
+    /// one.
     pub last_column: u16,
     /// Segment: sums of x, y, z over its points, in units of 1/4096 m.
     pub first_moments: [i64; 3],
-    /// Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See `scanseg_fit_plane`.
+    /// Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
+    /// `scanseg_fit_plane`.
     pub second_moments: [i64; 6],
 }
 
@@ -62,16 +68,19 @@ pub struct PlaneFit {
     pub distance_m: f32,
     /// Root of the mean squared distance of the points from the plane, metres.
     pub rms_m: f32,
-    /// Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and m^2. Of rank 3.
+    /// Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and
+    /// m^2. Of rank 3.
     pub covariance: [[f32; 4]; 4],
 }
 
-/// Called with each event while a call runs: `user` is that of the output, the event lives for the call. Answer 0 to go on,
-/// anything else to drop the scan. It must return (no exception, no longjmp), and must not use the segmenter.
+/// Called with each event while a call runs: `user` is that of the output, the event lives for the
+/// call. Answer 0 to go on, anything else to drop the scan. It must return (no exception, no
+/// longjmp), and must not use the segmenter.
 pub type OnEvent = Option<unsafe extern "C" fn(user: *mut c_void, event: *const Event) -> i32>;
 
-/// Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set what you want, and use it
-/// for all calls. Everything may be left out: without labels and events only the callback is told, and so on.
+/// Where a call puts what it finds, and how much that was. Start with `SCANSEG_OUTPUT_INIT`, set
+/// what you want, and use it for all calls. Everything may be left out: without labels and events
+/// only the callback is told, and so on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Output {
@@ -79,8 +88,8 @@ pub struct Output {
     pub struct_size: u32,
     /// Given out: number of the first row of `labels`.
     pub first_row: u32,
-    /// For the labels, one per pixel, row after row: the label of a segment, `SCANSEG_NO_RETURN`, `SCANSEG_ON_EDGE` or
-    /// `SCANSEG_UNLABELLED`. NULL: no labels.
+    /// For the labels, one per pixel, row after row: the label of a segment, `SCANSEG_NO_RETURN`,
+    /// `SCANSEG_ON_EDGE` or `SCANSEG_UNLABELLED`. NULL: no labels.
     pub labels: *mut u32,
     /// Elements of `labels`: at least `columns` for `scanseg_push_row`, and with `SCANSEG_EDGE`
     /// `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`.
@@ -99,7 +108,8 @@ pub struct Output {
     pub events_lost: usize,
     /// Given out: rows in `labels`, or that would be if there were `labels`.
     pub row_count: u32,
-    /// Given out: pixels in these rows that got no label, because the table of live labels was full.
+    /// Given out: pixels in these rows that got no label, because the table of live labels was
+    /// full.
     pub unlabelled: u32,
     /// Given out by `scanseg_finish`: rows of the scan.
     pub scan_rows: u32,
@@ -115,8 +125,8 @@ impl Collector {
     /// Checks an output for a call that gives out up to `rows` rows.
     ///
     /// # Safety
-    /// `output` is NULL or points to `struct_size` bytes, its arrays have as many elements as it says, nothing of them
-    /// overlaps, and all stay until the collector is done.
+    /// `output` is NULL or points to `struct_size` bytes, its arrays have as many elements as it
+    /// says, nothing of them overlaps, and all stay until the collector is done.
     pub unsafe fn new(to: *mut Output, rows: usize, columns: usize) -> Result<Collector, Status> {
         // SAFETY: the caller's promise; no more than the size is read before that is checked.
         let mut output = unsafe {

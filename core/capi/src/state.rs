@@ -1,27 +1,26 @@
 //! A segmenter in the caller's memory.
 //!
 //! ```text
-//! memory: | State: number, own address, columns, phase, Segmenter | areas | ranges | words | angles | bearings | traces |
-//!                                                       |            ^       ^        ^       ^        ^          ^
-//!                                                       +------------+-------+--------+-------+--------+----------+
+//! memory: | State: number, own address, columns, phase, AnySegmenter | areas | numbers | words | angles | halves | traces |
+//!                                                       |               ^       ^         ^       ^        ^        ^
+//!                                                       +---------------+-------+---------+-------+--------+--------+
 //! ```
 //!
 //! The segmenter refers to the slices behind it, with the lifetime `'static`. That is sound because
-//! - the slices do not overlap the `State` nor each other, and nothing but the segmenter ever touches them: calls only borrow
-//!   parts of the `State`, by raw pointers to its fields;
+//! - the slices do not overlap the `State` nor each other, and nothing but the segmenter ever
+//!   touches them: calls only borrow parts of the `State`, by raw pointers to its fields;
 //! - the block stays where it is: a `State` knows its own address, so that a copy is told from it;
-//! - nothing outlives the block: the segmenter is never moved out of it, and gives out no reference beyond a call;
-//! - neither `State` nor segmenter have anything to drop, so that the memory may simply be used for something else.
+//! - nothing outlives the block: the segmenter is never moved out of it, and gives out no reference
+//!   beyond a call;
+//! - neither `State` nor segmenter have anything to drop, so that the memory may simply be used for
+//!   something else.
 //!
-//! The caller's part, which the header states: while the segmenter is in use the block is not written to.
+//! The caller's part, which the header states: while the segmenter is in use the block is not
+//! written to.
 
-use scanseg_core::{
-    Area, Beams, Config, EdgeSegmenter, Finished, Memory, PlaneSegmenter, PushError, RegionSegmenter, Sink, Sizes,
-    Trace,
-};
+use scanseg_core::{AnySegmenter, Area, Finished, Memory, PushError, Segmenter, Sink, Sizes, Trace};
 
-use crate::config::{Checked, SCANSEG_EDGE, SCANSEG_REGION};
-use crate::output::SCANSEG_LATENCY_ROWS;
+use crate::config::Checked;
 use crate::status::{
     SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_BUSY, SCANSEG_ERROR_CONFIG, SCANSEG_ERROR_MEMORY_SIZE,
     SCANSEG_ERROR_NO_SEGMENTER, SCANSEG_ERROR_NULL, SCANSEG_ERROR_ROW_LENGTH, SCANSEG_ERROR_SCAN_OVER,
@@ -40,7 +39,8 @@ pub struct State {
     address: usize,
     columns: usize,
     phase: Phase,
-    segmenter: Segmenter,
+    /// Its references are those that the module describes.
+    segmenter: AnySegmenter<'static>,
 }
 
 const _: () = assert!(align_of::<State>() == SCANSEG_STATE_ALIGN);
@@ -61,25 +61,6 @@ enum Phase {
     Over,
 }
 
-/// One of the approaches. Its references are those that the module describes.
-#[allow(clippy::large_enum_variant)]
-enum Segmenter {
-    Plane(PlaneSegmenter<'static>),
-    Edge(EdgeSegmenter<'static>),
-    Region(RegionSegmenter<'static>),
-}
-
-/// Calls a method of whichever approach it is.
-macro_rules! each {
-    ($segmenter:expr, $it:ident => $call:expr) => {
-        match $segmenter {
-            Segmenter::Plane($it) => $call,
-            Segmenter::Edge($it) => $call,
-            Segmenter::Region($it) => $call,
-        }
-    };
-}
-
 /// Where everything is in the block, in bytes.
 pub(crate) struct Layout {
     sizes: Sizes,
@@ -92,14 +73,13 @@ pub(crate) struct Layout {
 impl Layout {
     pub fn of(checked: &Checked) -> Layout {
         let columns = checked.config.columns as usize;
-        let (config, _) = checked.core(&[], checked.used_traces());
-        let mut sizes = Sizes::of(columns, &config);
+        let mut sizes = checked.sizes();
         if checked.config.max_labels > 0 {
             sizes.areas = sizes.areas.min(checked.config.max_labels as usize);
         }
         let angles = if checked.listed() { columns } else { 0 };
-        let bytes = size_of::<State>() + sizes.bytes() + size_of::<f32>() * angles + size_of_val(config.traces);
-        Layout { sizes, angles, traces: config.traces.len(), bytes }
+        let bytes = size_of::<State>() + sizes.bytes() + size_of::<f32>() * angles + size_of_val(checked.used_traces());
+        Layout { sizes, angles, traces: checked.used_traces().len(), bytes }
     }
 }
 
@@ -110,8 +90,8 @@ struct Parts {
 
 impl Parts {
     /// # Safety
-    /// The block has that many elements left, aligned, all zeros, and nothing else refers to them for as long as the slice is
-    /// used. All zeros are a value of `T`.
+    /// The block has that many elements left, aligned, all zeros, and nothing else refers to them
+    /// for as long as the slice is used. All zeros are a value of `T`.
     unsafe fn take<T: 'static>(&mut self, count: usize) -> &'static mut [T] {
         let start = self.next.cast::<T>();
         // SAFETY: the caller's promise.
@@ -125,7 +105,8 @@ impl Parts {
 /// Makes a segmenter at the start of `memory`.
 ///
 /// # Safety
-/// `memory` is NULL or points to `size` bytes that nothing else refers to while the segmenter is in use.
+/// `memory` is NULL or points to `size` bytes that nothing else refers to while the segmenter is in
+/// use.
 pub(crate) unsafe fn make(memory: *mut u8, size: usize, checked: &Checked) -> Result<*mut State, Status> {
     if memory.is_null() {
         return Err(SCANSEG_ERROR_NULL);
@@ -139,30 +120,26 @@ pub(crate) unsafe fn make(memory: *mut u8, size: usize, checked: &Checked) -> Re
     }
     let state = memory.cast::<State>();
     let sizes = layout.sizes;
-    // SAFETY: The block has `layout.bytes`, which is the sum of the parts. It is aligned to 8, the size of the state is a
-    // multiple of 8, and the parts come with falling alignment (4, 4, 4, 4, 2, 1). All are plain numbers, so that zeros are
-    // values of them. The parts do not overlap, and the module says why nothing else refers to them.
+    // SAFETY: The block has `layout.bytes`, which is the sum of the parts. It is aligned to 8, the
+    // size of the state is a multiple of 8, and the parts come with falling alignment (4, 4, 4, 4,
+    // 2, 1). All are plain numbers, so that zeros are values of them. The parts do not overlap, and
+    // the module says why nothing else refers to them.
     let (memory, angles, traces) = unsafe {
         memory.write_bytes(0, layout.bytes);
         let mut parts = Parts { next: state.add(1).cast() };
         let areas = parts.take::<Area>(sizes.areas);
-        let ranges = parts.take::<f32>(sizes.ranges);
+        let numbers = parts.take::<f32>(sizes.numbers);
         let words = parts.take::<u32>(sizes.words);
         let angles = parts.take::<f32>(layout.angles);
-        let bearings = parts.take::<u16>(sizes.bearings);
+        let halves = parts.take::<u16>(sizes.halves);
         let traces = parts.take::<Trace>(layout.traces);
-        (Memory { ranges, bearings, words, areas }, angles, traces)
+        (Memory { numbers, halves, words, areas }, angles, traces)
     };
     // of the same lengths, where there are any
     angles.iter_mut().zip(checked.angles_rad).for_each(|(to, &angle_rad)| *to = angle_rad);
     traces.iter_mut().zip(checked.used_traces()).for_each(|(to, &trace)| *to = trace);
-    let (config, beams): (Config<'static>, Beams<'static>) = checked.core(angles, traces);
     let columns = checked.config.columns as usize;
-    let segmenter = match checked.config.approach {
-        SCANSEG_EDGE => EdgeSegmenter::new(config, beams, columns, memory).map(Segmenter::Edge),
-        SCANSEG_REGION => RegionSegmenter::new(config, beams, columns, memory).map(Segmenter::Region),
-        _ => PlaneSegmenter::new(config, beams, columns, memory).map(Segmenter::Plane),
-    };
+    let segmenter = AnySegmenter::new(checked.any_config(traces), checked.beams(angles), columns, memory);
     // cannot fail: everything was checked before
     let segmenter = segmenter.map_err(|_| SCANSEG_ERROR_CONFIG)?;
     let made = State { number: NUMBER, address: state.addr(), columns, phase: Phase::Scanning, segmenter };
@@ -179,7 +156,8 @@ pub(crate) struct Handle {
 
 impl Handle {
     /// # Safety
-    /// `state` is NULL or points to memory of the size of a `State` that was written to at some time.
+    /// `state` is NULL or points to memory of the size of a `State` that was written to at some
+    /// time.
     pub unsafe fn new(state: *mut State) -> Result<Handle, Status> {
         if state.is_null() {
             return Err(SCANSEG_ERROR_NULL);
@@ -187,7 +165,8 @@ impl Handle {
         if !state.is_aligned() {
             return Err(SCANSEG_ERROR_ALIGNMENT);
         }
-        // SAFETY: aligned, not NULL; numbers may have any value. The phase is read only of a segmenter.
+        // SAFETY: aligned, not NULL; numbers may have any value. The phase is read only of a
+        // segmenter.
         let (columns, phase) = unsafe {
             if (*state).number != NUMBER || (*state).address != state.addr() {
                 return Err(SCANSEG_ERROR_NO_SEGMENTER);
@@ -205,10 +184,10 @@ impl Handle {
     }
 
     /// Uses the segmenter, and refuses other uses meanwhile: a callback might try.
-    fn with<T>(&mut self, then: Phase, work: impl FnOnce(&mut Segmenter) -> (T, bool)) -> T {
+    fn with<T>(&mut self, then: Phase, work: impl FnOnce(&mut AnySegmenter<'static>) -> (T, bool)) -> T {
         let state = self.state;
-        // SAFETY: `new` has found a segmenter there that is not in use. Only this field is borrowed, and while it is, the
-        // phase keeps others from borrowing it.
+        // SAFETY: `new` has found a segmenter there that is not in use. Only this field is
+        // borrowed, and while it is, the phase keeps others from borrowing it.
         let segmenter = unsafe {
             (*state).phase = Phase::Busy;
             &mut (*state).segmenter
@@ -222,13 +201,13 @@ impl Handle {
     /// Rows of labels that `finish` may give out.
     pub fn latency_rows(&self) -> usize {
         // SAFETY: `new` has found a segmenter there that is not in use.
-        if matches!(unsafe { &(*self.state).segmenter }, Segmenter::Edge(_)) { SCANSEG_LATENCY_ROWS } else { 0 }
+        unsafe { &(*self.state).segmenter }.latency_rows()
     }
 
     /// Takes a row. Whether the sink broke off.
     pub fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<bool, Status> {
         let pushed = self.with(Phase::Scanning, |segmenter| {
-            let pushed = each!(segmenter, it => it.push_row(ranges_m, turn_rad, sink));
+            let pushed = segmenter.push_row(ranges_m, turn_rad, sink);
             (pushed, pushed == Ok(scanseg_core::Status::Stopped))
         });
         match pushed {
@@ -241,7 +220,7 @@ impl Handle {
 
     /// Ends the scan. Its rows, or `None` where the sink broke off.
     pub fn finish(&mut self, sink: &mut impl Sink) -> Option<usize> {
-        let finished = self.with(Phase::Over, |segmenter| (each!(segmenter, it => it.finish(sink)), true));
+        let finished = self.with(Phase::Over, |segmenter| (segmenter.finish(sink), true));
         match finished {
             Finished::Complete { rows, .. } => Some(rows),
             Finished::Stopped => None,
@@ -249,6 +228,6 @@ impl Handle {
     }
 
     pub fn reset(&mut self) {
-        self.with(Phase::Scanning, |segmenter| (each!(segmenter, it => it.reset()), false));
+        self.with(Phase::Scanning, |segmenter| (segmenter.reset(), false));
     }
 }

@@ -2,21 +2,24 @@
 
 use core::ffi::CStr;
 
-/// What a call answers: one of the `SCANSEG_` statuses. 0 is success, above 0 there is something to know, below 0 the call
-/// did nothing.
+/// What a call answers: one of the `SCANSEG_` statuses. 0 is success, above 0 there is something to
+/// know, below 0 the call did nothing.
 pub type Status = i32;
 
 /// Done.
 pub const SCANSEG_OK: Status = 0;
-/// Done; but the array of events was full, and `events_lost` events did not fit. A callback was given all of them.
+/// Done; but the array of events was full, and `events_lost` events did not fit. A callback was
+/// given all of them.
 pub const SCANSEG_EVENTS_FULL: Status = 1;
 /// The callback asked to stop. The scan is dropped: reset the segmenter for the next one.
 pub const SCANSEG_STOPPED: Status = 2;
-/// The points have no plane: fewer than four, on a line, or too many and far to be summed up exactly.
+/// The points have no plane: fewer than four, on a line, or too many and far to be summed up
+/// exactly.
 pub const SCANSEG_NO_PLANE: Status = 3;
 /// A pointer is NULL that must not be.
 pub const SCANSEG_ERROR_NULL: Status = -1;
-/// `struct_size` is not that of this library: the header is of another version, or the field was not set.
+/// `struct_size` is not that of this library: the header is of another version, or the field was
+/// not set.
 pub const SCANSEG_ERROR_STRUCT_SIZE: Status = -2;
 /// The program was compiled with a header of another `SCANSEG_ABI_VERSION`.
 pub const SCANSEG_ERROR_ABI_VERSION: Status = -3;

@@ -1,12 +1,13 @@
-//! What must not be done is answered with a status, and nothing happens. Under Miri: and nothing undefined does.
-
-mod common;
+//! What must not be done is answered with a status, and nothing happens. Under Miri: and nothing
+//! undefined does.
 
 use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
 
-use common::{APPROACHES, COLUMNS, ROWS, Session, bad_field, defaults, nodding, output, room_m, state_size};
 use scanseg_capi::*;
+use scanseg_capi_tests::{
+    APPROACHES, COLUMNS, ROWS, Session, bad_field, defaults, nodding, output, room_m, state_size,
+};
 
 /// The same pointer, not aligned.
 fn odd<T>(pointer: *mut T) -> *mut T {
@@ -247,9 +248,8 @@ fn memory_that_holds_no_segmenter_is_told() {
 
         let mut session = Session::new(&config);
         session.push(&room_m(0, COLUMNS, 0.0), 0.0);
-        // A copy: its slices would be the original's. The original is not used after it, since nobody else may read its
-        // memory in between.
-        // SAFETY: both have that many bytes.
+        // A copy: its slices would be the original's. The original is not used after it, since
+        // nobody else may read its memory in between. SAFETY: both have that many bytes.
         unsafe {
             never.as_mut_ptr().cast::<u8>().copy_from_nonoverlapping(session.memory.cast(), 8 * session.words);
             assert_eq!(scanseg_reset(never.as_mut_ptr().cast()), SCANSEG_ERROR_NO_SEGMENTER);

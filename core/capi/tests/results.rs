@@ -1,14 +1,12 @@
 //! What comes out for C is what the core finds.
 
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::{APPROACHES, COLUMNS, ROWS, Session, nodding, room_m, state_size};
 use scanseg_capi::*;
+use scanseg_capi_tests::{APPROACHES, COLUMNS, ROWS, Session, nodding, room_m, state_size};
 use scanseg_core::{
-    Area, Beams, Columns, EdgeSegmenter, Finished, Join, LabelRow, Memory, Pixel, PlaneSegmenter, RegionSegmenter,
-    Segment, Sink, Sizes, TurnAxis,
+    AnyConfig, AnySegmenter, Area, Beams, Columns, EdgeConfig, Finished, Join, LabelRow, Memory, Pixel, PlaneConfig,
+    Ranging, RegionConfig, Segment, Segmenter, Sink, TurnAxis,
 };
 
 #[derive(Default)]
@@ -42,26 +40,21 @@ impl Sink for Collected {
 
 /// The core's own answer, with the paper's settings.
 fn by_core(approach: u32, beams: Beams<'_>, areas: usize, rows: &[Vec<f32>]) -> Collected {
-    let config = scanseg_core::Config::paper();
-    let sizes = Sizes::of(COLUMNS, &config);
-    let (mut ranges, mut bearings) = (vec![0.0; sizes.ranges], vec![0; sizes.bearings]);
+    let config: AnyConfig = match approach {
+        SCANSEG_PLANE => PlaneConfig::new(Ranging::new(0.01)).into(),
+        SCANSEG_EDGE => EdgeConfig::paper().into(),
+        _ => RegionConfig::paper().into(),
+    };
+    let sizes = config.sizes(COLUMNS);
+    let (mut numbers, mut halves) = (vec![0.0; sizes.numbers], vec![0; sizes.halves]);
     let (mut words, mut areas) = (vec![0; sizes.words], vec![Area::EMPTY; areas]);
-    let memory = Memory { ranges: &mut ranges, bearings: &mut bearings, words: &mut words, areas: &mut areas };
+    let memory = Memory { numbers: &mut numbers, halves: &mut halves, words: &mut words, areas: &mut areas };
     let mut found = Collected::default();
-    macro_rules! run {
-        ($segmenter:ident) => {{
-            let mut segmenter = $segmenter::new(config, beams, COLUMNS, memory).unwrap();
-            for (row, ranges_m) in rows.iter().enumerate() {
-                segmenter.push_row(ranges_m, turn_rad(row), &mut found).unwrap();
-            }
-            assert!(matches!(segmenter.finish(&mut found), Finished::Complete { .. }));
-        }};
+    let mut segmenter = AnySegmenter::new(config, beams, COLUMNS, memory).unwrap();
+    for (row, ranges_m) in rows.iter().enumerate() {
+        segmenter.push_row(ranges_m, turn_rad(row), &mut found).unwrap();
     }
-    match approach {
-        SCANSEG_PLANE => run!(PlaneSegmenter),
-        SCANSEG_EDGE => run!(EdgeSegmenter),
-        _ => run!(RegionSegmenter),
-    }
+    assert!(matches!(segmenter.finish(&mut found), Finished::Complete { .. }));
     found
 }
 
@@ -72,7 +65,7 @@ fn turn_rad(row: usize) -> f32 {
 /// Two scans; gives the labels.
 fn compare(config: &Config, beams: Beams<'_>, noise: f32) -> Vec<u32> {
     let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();
-    let all = Sizes::of(COLUMNS, &scanseg_core::Config::paper()).areas;
+    let all = scanseg_core::live_labels(COLUMNS);
     let areas = if config.max_labels == 0 { all } else { config.max_labels as usize };
     let core = by_core(config.approach, beams, areas, &rows);
     let mut session = Session::new(config);
@@ -180,9 +173,10 @@ fn few_labels_as_the_core() {
     }
 }
 
-/// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end of another label. Labels
-/// that can end are those that were live before, up to columns / 2 + 1, and those that begin in a row, up to
-/// (columns + 1) / 2; at the end of an edge-based scan three rows are decided in one call. That is not above the bound.
+/// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end
+/// of another label. Labels that can end are those that were live before, up to columns / 2 + 1,
+/// and those that begin in a row, up to (columns + 1) / 2; at the end of an edge-based scan three
+/// rows are decided in one call. That is not above the bound.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn events_of_one_call_stay_within_the_bound() {
@@ -191,7 +185,8 @@ fn events_of_one_call_stay_within_the_bound() {
         for (gap, noise) in [(2, 0.0), (2, 3.0), (3, 1.0), (usize::MAX, 0.1), (usize::MAX, 3.0)] {
             let mut session = Session::new(&nodding(approach));
             for row in 0..ROWS {
-                // combs whose teeth move, so that as many areas as possible begin and end in each row
+                // combs whose teeth move, so that as many areas as possible begin and end in each
+                // row
                 let mut ranges_m = room_m(row, COLUMNS, noise);
                 for range_m in ranges_m.iter_mut().skip(row % 2).step_by(gap) {
                     *range_m = 0.0;

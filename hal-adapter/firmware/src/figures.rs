@@ -1,23 +1,24 @@
-//! Figures of a run: instructions, stack. Without the feature `figures` there is nothing of it in the image.
+//! Figures of a run: instructions, stack. Without the feature `figures` there is nothing of it in
+//! the image.
 //!
-//! A timer counts while the program has something to do and stands while it waits for a byte. Under QEMU's
-//! `-icount shift=6` an instruction takes 64 ns of its time, so that the figures do not depend on the host, nor on when the
-//! bytes come.
+//! A timer counts while the program has something to do and stands while it waits for a byte. Under
+//! QEMU's `-icount shift=6` an instruction takes 64 ns of its time, so that the figures do not
+//! depend on the host, nor on when the bytes come.
 
+use core::ops::ControlFlow;
 use core::sync::atomic::AtomicU32;
 use core::sync::atomic::Ordering::Relaxed;
 
-use core::ops::ControlFlow;
-
-use scanseg_core::{Finished, Join, LabelRow, PushError, Segment, Sink, Status};
+use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status};
 use scanseg_hal::lms2xx::Trouble;
-use scanseg_hal::rig::{Dropped, RigSink, RowSegmenter, ScanFinished, ScanStarted};
+use scanseg_hal::rig::{Dropped, RigSink, ScanFinished, ScanStarted};
 
 /// A record of figures: this, then [`COUNT`] words, all lowest byte first.
 pub const MAGIC: u32 = 0x5E6F_1605;
 
-/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink (planes, frames), waits, ticks of
-/// [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes of stack there are.
+/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink
+/// (planes, frames), waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes
+/// of stack there are.
 pub const COUNT: usize = 7;
 
 /// See [`COUNT`].
@@ -67,17 +68,32 @@ fn timed<T>(ticks: &AtomicU32, work: impl FnOnce() -> T) -> T {
     done
 }
 
-impl<S: RowSegmenter> RowSegmenter for Timed<S> {
-    fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<Status, PushError> {
+#[deny(clippy::missing_trait_methods)]
+impl<S: Segmenter> Segmenter for Timed<S> {
+    fn push_row<T: Sink + ?Sized>(
+        &mut self,
+        ranges_m: &[f32],
+        turn_rad: f32,
+        sink: &mut T,
+    ) -> Result<Status, PushError> {
         timed(&IN_SEGMENTER, || self.0.push_row(ranges_m, turn_rad, sink))
     }
 
-    fn finish(&mut self, sink: &mut impl Sink) -> Finished {
+    fn finish<T: Sink + ?Sized>(&mut self, sink: &mut T) -> Finished {
         timed(&IN_SEGMENTER, || self.0.finish(sink))
+    }
+
+    fn reset(&mut self) {
+        self.0.reset();
+    }
+
+    fn latency_rows(&self) -> usize {
+        self.0.latency_rows()
     }
 }
 
-/// Rows of labels, which this project's links do not carry, are not counted.
+/// Rows of labels and of edges are not timed: the link does not carry them.
+#[deny(clippy::missing_trait_methods)]
 impl<S: Sink> Sink for Timed<S> {
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
         self.0.row(row)
@@ -90,8 +106,13 @@ impl<S: Sink> Sink for Timed<S> {
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
         timed(&IN_SINK, || self.0.segment(segment))
     }
+
+    fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
+        self.0.edges(row)
+    }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<S: RigSink> RigSink for Timed<S> {
     fn scan_started(&mut self, scan: &ScanStarted) {
         self.0.scan_started(scan);

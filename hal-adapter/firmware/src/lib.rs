@@ -1,4 +1,5 @@
-//! What the images for the microcontroller share: serial ports, the loop, figures. See README.md.
+//! What the images for the microcontroller share: approach, serial ports, the loop, figures. See
+//! README.md.
 //!
 //! ```text
 //! scanner port -> LMS 2xx telegrams \
@@ -9,6 +10,7 @@
 //! All but the registers runs on a host as well, where `check` compares.
 #![no_std]
 
+pub mod approach;
 pub mod figures;
 pub mod mux;
 #[cfg(target_os = "none")]
@@ -21,7 +23,8 @@ pub mod wire;
 #[cfg(all(feature = "defmt", target_os = "none"))]
 use {cortex_m as _, defmt_rtt as _};
 
-/// A panic would be a bug, and nobody would see it: the image stands still, so that a watchdog can act.
+/// A panic would be a bug, and nobody would see it: the image stands still, so that a watchdog can
+/// act.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_info: &core::panic::PanicInfo<'_>) -> ! {

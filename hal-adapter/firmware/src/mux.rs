@@ -3,8 +3,9 @@
 //! ```text
 //! byte 0: line in bits 7-6, count in bits 5-0 | count bytes
 //! ```
-//! To the machine only what it has asked for: scanner bytes after a request, which is a header with their number and no
-//! bytes; encoder bytes after as many of its own. Link bytes go out unasked. So nothing needs a queue.
+//! To the machine only what it has asked for: scanner bytes after a request, which is a header with
+//! their number and no bytes; encoder bytes after as many of its own. Link bytes go out unasked. So
+//! nothing needs a queue.
 
 use core::convert::Infallible;
 
@@ -14,7 +15,7 @@ use embedded_io::{ErrorType, Read, Write};
 pub const MAX_COUNT: usize = 63;
 
 /// The lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
     /// From the scanner.
     Scanner = 0,
@@ -25,14 +26,15 @@ pub enum Line {
 }
 
 /// One line of the UART `U`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Channel<U> {
     uart: U,
     line: Line,
 }
 
 impl<U: Write<Error = Infallible> + Read<Error = Infallible>> Channel<U> {
-    /// A line. Its calls must not be mixed with those of other lines, which one thread without interrupts grants.
+    /// A line. Its calls must not be mixed with those of other lines, which one thread without
+    /// interrupts grants.
     pub const fn new(uart: U, line: Line) -> Self {
         Self { uart, line }
     }

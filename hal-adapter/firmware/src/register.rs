@@ -1,12 +1,13 @@
 //! A register of a peripheral.
 
 /// A 32-bit register at a fixed address.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Register(*mut u32);
 
 impl Register {
     /// # Safety
-    /// There is a register at `address` on every machine that runs this, and reading or writing it does nothing to memory.
+    /// There is a register at `address` on every machine that runs this, and reading or writing it
+    /// does nothing to memory.
     pub const unsafe fn at(address: usize) -> Self {
         Self(address as *mut u32)
     }

@@ -1,13 +1,14 @@
-//! The loop of the images: bytes of the scanner and angles of the encoder to the rig, frames to the link.
+//! The loop of the images: bytes of the scanner and angles of the encoder to the rig, frames to the
+//! link.
 
 use embedded_hal::spi::SpiDevice;
 use embedded_io::{Read, ReadExactError, Write};
-use scanseg_core::Config;
+use scanseg_core::Segmenter;
 use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
 use scanseg_hal::link::Reporter;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Session, Settings, Unit, Variant};
-use scanseg_hal::rig::{Rig, RowSegmenter, TiltLimits};
+use scanseg_hal::rig::{Rig, TiltLimits};
 
 use crate::figures::Timed;
 
@@ -28,25 +29,26 @@ pub const MPS2: Settings = settings(Variant::Deg180Step05);
 /// The scanner of the image `microbit`: 181 columns.
 pub const MICROBIT: Settings = settings(Variant::Deg180Step1);
 
-/// Live labels of the image `microbit`. 91 are enough for every image of 181 columns; these fit its memory.
+/// Live labels of the image `microbit`. 91 are enough for every image of 181 columns; these fit its
+/// memory.
 pub const MICROBIT_AREAS: usize = 48;
 
 /// How far the tilt turns from one telegram to the next, radians: that of the recorded scan.
 pub const ROW_RAD: f32 = 0.516_889 * core::f32::consts::PI / 180.0;
 
-/// The segmenter's settings. Nearer ranges are those of the robot's own frame.
-pub const CONFIG: Config = Config { min_range_m: 0.48, ..Config::paper() };
-
-/// Segments of fewer pixels are not reported: they are noise, and each plane costs some 20 000 instructions.
+/// Segments of fewer pixels are not reported: they are noise, and each plane costs some 20 000
+/// instructions.
 pub const MIN_PIXELS: u32 = 20;
 
-/// Bytes of the scanner that are taken together, as a FIFO or DMA would give them: 0.64 ms at 500 000 Bd.
+/// Bytes of the scanner that are taken together, as a FIFO or DMA would give them: 0.64 ms at 500
+/// 000 Bd.
 pub const PIECE: usize = 32;
 
 /// A piece that asks for the figures; no scanner sends it.
 pub const ASK_FOR_FIGURES: [u8; PIECE] = [0xFF; PIECE];
 
-/// How the tilt moves: [`ROW_RAD`] per telegram, give or take a third, for the encoder's steps and an uneven servo.
+/// How the tilt moves: [`ROW_RAD`] per telegram, give or take a third, for the encoder's steps and
+/// an uneven servo.
 pub fn limits(settings: &Settings) -> TiltLimits {
     let rate_rad_per_s = ROW_RAD * 1e6 / settings.period_us() as f32;
     TiltLimits {
@@ -57,10 +59,11 @@ pub fn limits(settings: &Settings) -> TiltLimits {
     }
 }
 
-/// Time by the bytes received. A simulated port knows no rate: its bytes come as fast as they are fetched. So a byte counts as
-/// come when a scanner would have sent it: telegram after telegram at the scanner's period, within it byte after byte at
-/// the line's rate. A board with a real line has a timer for this.
-#[derive(Debug, Clone)]
+/// Time by the bytes received. A simulated port knows no rate: its bytes come as fast as they are
+/// fetched. So a byte counts as come when a scanner would have sent it: telegram after telegram at
+/// the scanner's period, within it byte after byte at the line's rate. A board with a real line has
+/// a timer for this.
+#[derive(Clone, Debug)]
 pub struct LineClock {
     period_us: u32,
     byte_us: u32,
@@ -73,12 +76,13 @@ impl LineClock {
     /// At 0, with a scanner so set up.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
-        let telegram_bytes = 2 * u32::from(settings.variant.columns()) + 10;
+        let telegram_bytes = settings.telegram_bytes();
         let (period_us, byte_us) = (settings.period_us(), settings.baud.line_time_us(1));
         Self { period_us, byte_us, telegram_bytes, telegram_us: 0, byte: 0 }
     }
 
-    /// More bytes have come, at most a telegram. Returns whether a telegram's time began among them.
+    /// More bytes have come, at most a telegram. Returns whether a telegram's time began among
+    /// them.
     pub fn received(&mut self, bytes: u32) -> bool {
         self.byte += bytes;
         let next = self.byte >= self.telegram_bytes;
@@ -101,18 +105,20 @@ impl LineClock {
 pub struct Ports<R, D, W> {
     /// Bytes of the scanner, which was set up and started before.
     pub scanner: R,
-    /// The AS5048A on the tilt axis. It says 0 where the scanner looks ahead, and grows as it looks up.
+    /// The AS5048A on the tilt axis. It says 0 where the scanner looks ahead, and grows as it looks
+    /// up.
     pub encoder: D,
     /// To the host.
     pub link: W,
 }
 
-/// Runs until the scanner's port ends, which on a board is never. `ask` is called where [`ASK_FOR_FIGURES`] comes.
+/// Runs until the scanner's port ends, which on a board is never. `ask` is called where
+/// [`ASK_FOR_FIGURES`] comes.
 pub fn run<R: Read, W: Write>(
     ports: Ports<R, impl SpiDevice, W>,
     settings: &Settings,
     session: &mut Session,
-    rig: &mut Rig<'_, Timed<impl RowSegmenter>>,
+    rig: &mut Rig<'_, Timed<impl Segmenter>>,
     mut ask: impl FnMut(),
 ) -> ReadExactError<R::Error> {
     let Ports { mut scanner, encoder, mut link } = ports;

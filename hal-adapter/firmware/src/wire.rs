@@ -3,13 +3,13 @@
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_io::{Read, Write};
 
-/// A serial port in place of an SPI bus, because QEMU has no SPI device that answers: the bytes of a transaction are sent as
-/// MOSI, then as many are received as MISO.
+/// A serial port in place of an SPI bus, because QEMU has no SPI device that answers: the bytes of
+/// a transaction are sent as MOSI, then as many are received as MISO.
 #[derive(Debug)]
 pub struct SpiOver<P>(pub P);
 
 /// The port has failed, or the transaction is none that [`SpiOver`] carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WireError;
 
 impl Error for WireError {

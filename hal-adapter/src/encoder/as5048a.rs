@@ -1,23 +1,24 @@
 //! AS5048A: magnetic encoder, 14 bits a turn, on SPI (mode 1, at most 10 MHz).
 //!
-//! 16-bit frames. A command has even parity in bit 15, "read" in bit 14, and a register below. The answer comes **in the
-//! next frame**: even parity in bit 15, the error flag in bit 14, 14 bits of data below. Chip select must rise between
-//! frames, so each frame is an [`SpiDevice`] transaction of its own. All this is from ams' data sheet of the AS5048; of the
-//! two readings of its diagnostics that are about, bits 8 to 11 are taken, as SimpleFOC does.
+//! A frame has 16 bits. A command has even parity in bit 15, "read" in bit 14, and a register in
+//! bits 13 to 0. The answer comes **in the next frame**: even parity in bit 15, the error flag in
+//! bit 14, data in bits 13 to 0. Chip select must rise between frames, so each frame is an
+//! [`SpiDevice`] transaction of its own. Source: ams' data sheet of the AS5048. Drivers disagree
+//! about the place of the diagnostic flags; bits 8 to 11 are taken, as SimpleFOC does.
 
 use embedded_hal::spi::SpiDevice;
 
-use super::{Encoder, Position};
-use crate::Clock;
+use super::position::{Encoder, Position};
+use crate::clock::Clock;
 
 /// Registers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u16)]
 pub enum Register {
-    /// Does nothing; sent to fetch the answer to the command before.
+    /// No operation. Sent to fetch the answer to the previous command.
     Nop = 0x0000,
-    /// Reading it gives and clears the [`Faults`] behind the error flag.
+    /// Reading it returns and clears the [`Faults`] behind the error flag.
     ClearError = 0x0001,
     /// [`Diagnostics`].
     Diagnostics = 0x3FFD,
@@ -27,7 +28,7 @@ pub enum Register {
     Angle = 0x3FFF,
 }
 
-/// The frame that reads a register. [`Register::Nop`] is 0.
+/// Returns the frame that reads a register; 0 for [`Register::Nop`].
 #[must_use]
 pub const fn read_command(register: Register) -> u16 {
     let word = match register {
@@ -37,12 +38,14 @@ pub const fn read_command(register: Register) -> u16 {
     word | ((word.count_ones() as u16 & 1) << 15)
 }
 
-/// The 14 data bits of an answer.
+/// Returns the 14 data bits of an answer.
 ///
-/// A line stuck low reads as a good 0: only [`Diagnostics::ready`] tells a dead sensor from one that stands at 0.
+/// A line stuck low reads as a valid 0. Only [`Diagnostics::ready`] distinguishes a dead sensor
+/// from one at position 0.
 ///
 /// # Errors
-/// [`FrameError`]: the parity is odd (a line stuck high shows as `Flagged`), or the sensor flags an earlier command.
+/// [`FrameError`]: the parity is odd, or the error flag is set. A line stuck high reads as
+/// `Flagged`.
 pub const fn answer(word: u16) -> Result<u16, FrameError> {
     if word.count_ones() & 1 != 0 {
         Err(FrameError::Parity(word))
@@ -53,13 +56,14 @@ pub const fn answer(word: u16) -> Result<u16, FrameError> {
     }
 }
 
-/// What is wrong with an answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Why an answer is not valid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum FrameError {
-    /// Parity is odd: the frame was damaged.
+    /// Odd parity: the frame was damaged.
     Parity(u16),
-    /// The sensor's error flag is set.
+    /// The error flag is set: an earlier command was faulty.
     Flagged,
 }
 
@@ -75,7 +79,7 @@ impl core::fmt::Display for FrameError {
 impl core::error::Error for FrameError {}
 
 /// Why the sensor set its error flag: three bits of [`Register::ClearError`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Faults(
     /// The register: bit 0 framing, bit 1 invalid command, bit 2 parity.
@@ -83,19 +87,19 @@ pub struct Faults(
 );
 
 impl Faults {
-    /// A frame had not 16 bits.
+    /// Returns whether a frame did not have 16 bits.
     #[must_use]
     pub const fn framing(self) -> bool {
         self.0 & 1 != 0
     }
 
-    /// A command was none.
+    /// Returns whether a command was invalid.
     #[must_use]
     pub const fn invalid_command(self) -> bool {
         self.0 & 2 != 0
     }
 
-    /// A command arrived with odd parity.
+    /// Returns whether a command arrived with odd parity.
     #[must_use]
     pub const fn parity(self) -> bool {
         self.0 & 4 != 0
@@ -103,7 +107,7 @@ impl Faults {
 }
 
 /// State of sensor and magnet, [`Register::Diagnostics`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Diagnostics(
     /// The register.
@@ -111,46 +115,47 @@ pub struct Diagnostics(
 );
 
 impl Diagnostics {
-    /// Gain, 0 (strong field) to 255 (weak field).
+    /// Returns the gain, 0 (strong field) to 255 (weak field).
     #[must_use]
     pub const fn gain(self) -> u8 {
         self.0 as u8
     }
 
-    /// Offset compensation has finished. False also when no sensor answers.
+    /// Returns whether the offset compensation has finished. False also when no sensor answers.
     #[must_use]
     pub const fn ready(self) -> bool {
         self.0 & 0x0100 != 0
     }
 
-    /// Overflow in the angle computation: the angle is not valid.
+    /// Returns whether the angle computation overflowed: the angle is not valid.
     #[must_use]
     pub const fn overflow(self) -> bool {
         self.0 & 0x0200 != 0
     }
 
-    /// The field is too strong.
+    /// Returns whether the field is too strong.
     #[must_use]
     pub const fn too_strong(self) -> bool {
         self.0 & 0x0400 != 0
     }
 
-    /// The field is too weak.
+    /// Returns whether the field is too weak.
     #[must_use]
     pub const fn too_weak(self) -> bool {
         self.0 & 0x0800 != 0
     }
 }
 
-/// What can go wrong with an AS5048A.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An error of an AS5048A.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Error<E> {
     /// The bus's own error.
     Bus(E),
     /// An answer with odd parity. The next reading may be good.
     Parity(u16),
-    /// The sensor had flagged an error; it has been fetched and cleared.
+    /// The sensor flagged an error. The driver has read and cleared it.
     Sensor(Faults),
 }
 
@@ -173,12 +178,13 @@ pub struct As5048a<S> {
 }
 
 impl<S: SpiDevice> As5048a<S> {
-    /// Takes the device: SPI mode 1 with chip select. Touches nothing yet.
+    /// Returns a driver on this device, SPI mode 1 with chip select. Nothing is sent yet.
     pub const fn new(spi: S) -> Self {
         Self { spi }
     }
 
-    /// State of sensor and magnet. Check it once at start: the angle alone does not show a missing magnet or sensor.
+    /// Reads the state of sensor and magnet. Check it once at start: the angle does not show that
+    /// the magnet or the sensor is missing.
     ///
     /// # Errors
     /// [`Error`].
@@ -187,7 +193,7 @@ impl<S: SpiDevice> As5048a<S> {
         self.fetch().map(Diagnostics)
     }
 
-    /// Gives the bus back.
+    /// Returns the device.
     pub fn release(self) -> S {
         self.spi
     }
@@ -198,7 +204,7 @@ impl<S: SpiDevice> As5048a<S> {
         Ok(u16::from_be_bytes(frame))
     }
 
-    /// The answer to the command sent last.
+    /// Reads the answer to the last command.
     fn fetch(&mut self) -> Result<u16, Error<S::Error>> {
         match answer(self.command(Register::Nop)?) {
             Ok(data) => Ok(data),
@@ -215,7 +221,8 @@ impl<S: SpiDevice> As5048a<S> {
 impl<S: SpiDevice> Encoder for As5048a<S> {
     type Error = Error<S::Error>;
 
-    /// Two frames. The angle is the one at the end of the first, where the time is taken.
+    /// Sends two frames. The sensor measures the angle at the end of the first one, which is when
+    /// the time is taken.
     fn read(&mut self, clock: &mut impl Clock) -> Result<Position, Self::Error> {
         self.command(Register::Angle)?;
         let time_us = clock.now_us();

@@ -1,29 +1,30 @@
 //! AS5600: magnetic encoder, 12 bits a turn, on I2C (address 0x36, up to 1 MHz).
 //!
-//! The raw angle register is read: zero and direction belong to [`super::Calibration`]. The answers carry no check of any
-//! kind. The sensor's slow filter delays the angle by up to 2.2 ms as delivered (0.29 ms at SF = 2x): a moving tilt wants
-//! the fast setting. From ams' data sheet of the AS5600.
+//! The driver reads the raw angle; zero and sense of rotation are set in [`super::Calibration`].
+//! The answers have no checksum or parity. The sensor's filter delays the angle by up to 2.2 ms in
+//! its factory setting and by 0.29 ms with SF = 2x, so set SF = 2x for a tilt that moves. Source:
+//! ams' data sheet of the AS5600.
 
 use embedded_hal::i2c::I2c;
 
-use super::{Encoder, Position};
-use crate::Clock;
+use super::position::{Encoder, Position};
+use crate::clock::Clock;
 
-/// Its only address.
+/// The I2C address, which is fixed.
 pub const ADDRESS: u8 = 0x36;
 /// Register of [`MagnetStatus`], 1 byte.
 pub const STATUS: u8 = 0x0B;
 /// Register of the raw angle, 2 bytes.
 pub const RAW_ANGLE: u8 = 0x0C;
 
-/// The angle, 0 to 4095, in the two bytes of [`RAW_ANGLE`], high byte first.
+/// Returns the angle, 0 to 4095, in the two bytes of [`RAW_ANGLE`], high byte first.
 #[must_use]
 pub const fn raw_angle(bytes: [u8; 2]) -> u16 {
     u16::from_be_bytes(bytes) & 0x0FFF
 }
 
-/// What the sensor says of its magnet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// State of the magnet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MagnetStatus(
     /// The register.
@@ -31,28 +32,29 @@ pub struct MagnetStatus(
 );
 
 impl MagnetStatus {
-    /// There is a magnet; without one the angle means nothing.
+    /// Returns whether there is a magnet. Without one the angle is meaningless.
     #[must_use]
     pub const fn detected(self) -> bool {
         self.0 & 0x20 != 0
     }
 
-    /// The magnet is too weak or too far.
+    /// Returns whether the field is too weak.
     #[must_use]
     pub const fn too_weak(self) -> bool {
         self.0 & 0x10 != 0
     }
 
-    /// The magnet is too strong or too near.
+    /// Returns whether the field is too strong.
     #[must_use]
     pub const fn too_strong(self) -> bool {
         self.0 & 0x08 != 0
     }
 }
 
-/// What can go wrong with an AS5600.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An error of an AS5600.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Error<E> {
     /// The bus's own error.
     Bus(E),
@@ -78,12 +80,12 @@ pub struct As5600<I> {
 }
 
 impl<I: I2c> As5600<I> {
-    /// Takes the bus. Touches nothing yet.
+    /// Returns a driver on this bus. Nothing is sent yet.
     pub const fn new(i2c: I) -> Self {
         Self { i2c }
     }
 
-    /// What the sensor says of its magnet. A weak or strong one still gives angles, with more noise.
+    /// Reads the state of the magnet. A weak or strong field still gives angles, with more noise.
     ///
     /// # Errors
     /// [`Error::Bus`].
@@ -94,7 +96,7 @@ impl<I: I2c> As5600<I> {
         Ok(MagnetStatus(status))
     }
 
-    /// Gives the bus back.
+    /// Returns the bus.
     pub fn release(self) -> I {
         self.i2c
     }
@@ -103,7 +105,8 @@ impl<I: I2c> As5600<I> {
 impl<I: I2c> Encoder for As5600<I> {
     type Error = Error<I::Error>;
 
-    /// Two transactions: first the angle, with the time when it was asked for, then the magnet.
+    /// Reads the angle, then the state of the magnet. The time is that before the first
+    /// transaction.
     fn read(&mut self, clock: &mut impl Clock) -> Result<Position, Self::Error> {
         let time_us = clock.now_us();
         let mut angle = [0; 2];

@@ -1,34 +1,35 @@
 //! From encoder positions to turn angles of the scanner.
 
-use super::Encoder;
-use crate::Clock;
-use crate::pairing::Latch;
+use super::position::Encoder;
+use crate::clock::Clock;
+use crate::latch::Latch;
 
-/// Which way the angle grows with the encoder's position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Sense of rotation of the encoder relative to the tilt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Direction {
-    /// Angle and position grow together.
+    /// The angle rises with the position.
     Same,
-    /// The angle falls as the position grows.
+    /// The angle falls as the position rises.
     Opposite,
 }
 
-/// How the encoder sits on the tilt.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How the encoder is mounted on the tilt: zero, sense of rotation, gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration {
     zero_turn: u32,
     rad_per_unit: f32,
-    /// A turn of the tilt, in 2^-32 turns of the encoder.
+    /// One turn of the tilt, in 2^-32 turns of the encoder.
     tilt_turn: i64,
 }
 
-/// What is wrong with a calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Why a calibration is refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum CalibrationError {
-    /// The gear ratio is none that a gear has: 0.001 to 1 000 000.
+    /// The gear ratio is not within 0.001 to 1 000 000.
     Gear(f32),
 }
 
@@ -42,8 +43,9 @@ impl core::fmt::Display for CalibrationError {
 impl core::error::Error for CalibrationError {}
 
 impl Calibration {
-    /// `zero_turn`: the encoder's position, in 2^-32 turns, where the tilt is at 0. `gear`: turns of the encoder for one turn
-    /// of the tilt, 0.001 to 1 000 000; 1 for an encoder on the tilt axis.
+    /// Returns a calibration. `zero_turn` is the position of the encoder, in 2^-32 turns, at which
+    /// the turn angle is 0. `gear` is the number of turns of the encoder for one turn of the tilt,
+    /// 0.001 to 1 000 000; 1 for an encoder on the tilt axis.
     ///
     /// # Errors
     /// [`CalibrationError::Gear`].
@@ -61,53 +63,55 @@ impl Calibration {
     }
 }
 
-/// A calibrated encoder: gives the turn angle of the scanner.
+/// A calibrated encoder. It gives turn angles of the scanner.
 ///
-/// The first reading is taken to lie within half an encoder turn of zero. From then on turns are counted, so that gears and
-/// counters work; between two readings the encoder must move by less than half a turn.
+/// The first reading is taken to lie within half an encoder turn of the zero. From then on the
+/// turns of the encoder are counted, so that it may sit behind a gear. Between two readings it must
+/// move by less than half a turn.
 #[derive(Debug)]
 pub struct Tilt<E> {
     encoder: E,
     calibration: Calibration,
-    last: Reading,
+    last: LastPosition,
 }
 
-/// All from zero, in 2^-32 turns of the encoder.
-#[derive(Debug, Clone, Copy)]
-struct Reading {
-    /// What the encoder said.
+/// The last position of the encoder, from the calibrated zero, in 2^-32 turns of the encoder.
+#[derive(Clone, Copy, Debug)]
+struct LastPosition {
+    /// Within one turn of the encoder.
     encoder: u32,
-    /// Where that is on the tilt, at most half of its turn from zero.
+    /// With the turns counted, at most half a turn of the tilt from 0.
     tilt: i64,
 }
 
 impl<E: Encoder> Tilt<E> {
-    /// Touches nothing yet.
+    /// Returns a tilt with this encoder. The encoder is not read yet.
     pub const fn new(encoder: E, calibration: Calibration) -> Self {
-        Self { encoder, calibration, last: Reading { encoder: 0, tilt: 0 } }
+        Self { encoder, calibration, last: LastPosition { encoder: 0, tilt: 0 } }
     }
 
-    /// The turn angle now, within -pi to pi: a tilt that goes round and round has the same angle after each turn.
+    /// Reads the encoder and returns the turn angle, within -pi to pi.
     ///
     /// # Errors
-    /// The encoder's. The count of turns is kept, as long as the next good reading comes within half an encoder turn.
+    /// The encoder's. The count of turns stays right if the encoder moves by less than half a turn
+    /// until the next good reading.
     pub fn read(&mut self, clock: &mut impl Clock) -> Result<Latch, E::Error> {
         let position = self.encoder.read(clock)?;
         let Calibration { zero_turn, rad_per_unit, tilt_turn } = self.calibration;
         let encoder = position.turn.wrapping_sub(zero_turn);
         let moved = encoder.wrapping_sub(self.last.encoder) as i32;
         let tilt = around_zero(self.last.tilt.wrapping_add(moved.into()), tilt_turn);
-        self.last = Reading { encoder, tilt };
+        self.last = LastPosition { encoder, tilt };
         Ok(Latch { turn_rad: tilt as f32 * rad_per_unit, time_us: position.time_us })
     }
 
-    /// Gives the encoder back.
+    /// Returns the encoder.
     pub fn release(self) -> E {
         self.encoder
     }
 }
 
-/// The same within a turn, at most half a turn from 0.
+/// Returns the position reduced by whole turns, at most half a turn from 0.
 fn around_zero(position: i64, turn: i64) -> i64 {
     let half = turn / 2;
     if (-half..=half).contains(&position) {
@@ -123,7 +127,7 @@ fn around_zero(position: i64, turn: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::encoder::Position;
+    use crate::encoder::position::Position;
     use core::f32::consts::{FRAC_PI_2, PI};
 
     struct Fake(u32);
@@ -168,7 +172,8 @@ mod tests {
         }
     }
 
-    /// The angle does not get coarser with the turns, whatever the gear, nor does it run away from what segmenters take.
+    /// The angle keeps its resolution and stays within pi, however many turns there were and
+    /// whatever the gear.
     #[test]
     fn a_million_turns() {
         for gear in [1.0, 7.5, 0.3] {
@@ -198,7 +203,7 @@ mod tests {
         }
     }
 
-    /// One so small, or so large, that the turn angle would overflow, or be 0 times infinity.
+    /// Ratios with which the turn angle would overflow or be 0 times infinity.
     #[test]
     fn gears_that_leave_no_angle() {
         for gear in [f32::MIN_POSITIVE, 1e-40, 1e-9, 1e9, f32::MAX] {

@@ -1,51 +1,54 @@
-//! Quadrature encoders: counts of a hardware counter, or edges of the two lines.
+//! Quadrature encoders: counts of a hardware counter, or of signal edges.
 
 use core::convert::Infallible;
 
-use super::{Encoder, Position};
-use crate::Clock;
+use super::position::{Encoder, Position};
+use crate::clock::Clock;
 
-/// Counts edges of the two lines A and B, for boards without a hardware counter.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// Counts the edges of the signals A and B, for boards without a hardware counter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Edges {
-    lines: u8,
+pub struct EdgeCounter {
+    /// The levels of the signals as a phase, see [`EdgeCounter::phase`].
+    phase: u8,
     count: i32,
     missed: u32,
 }
 
-impl Edges {
-    /// Counting begins at 0 with the lines as they are.
+impl EdgeCounter {
+    /// Returns a counter at 0. `a` and `b` are the present levels of the signals.
     #[must_use]
     pub const fn new(a: bool, b: bool) -> Self {
-        Self { lines: Self::phase(a, b), count: 0, missed: 0 }
+        Self { phase: Self::phase(a, b), count: 0, missed: 0 }
     }
 
-    /// The lines are now so: call at every edge, or often enough to miss none. A leads B while the count rises.
+    /// Takes the present levels of the signals. Call it at every edge, or often enough to miss
+    /// none. The count rises while A leads B.
     pub fn step(&mut self, a: bool, b: bool) {
-        let lines = Self::phase(a, b);
-        match lines.wrapping_sub(self.lines) & 3 {
+        let phase = Self::phase(a, b);
+        match phase.wrapping_sub(self.phase) & 3 {
             1 => self.count = self.count.wrapping_add(1),
             3 => self.count = self.count.wrapping_sub(1),
             2 => self.missed = self.missed.wrapping_add(1),
             _ => {}
         }
-        self.lines = lines;
+        self.phase = phase;
     }
 
-    /// Edges counted, four to a cycle of the lines; wraps.
+    /// Returns the number of edges, four per cycle. It wraps.
     #[must_use]
     pub const fn count(&self) -> i32 {
         self.count
     }
 
-    /// Times when both lines had changed at once: the count is then off by 2 or has lost whole cycles.
+    /// Returns how often both signals had changed at once. Each time the count is wrong by 2 edges
+    /// or more.
     #[must_use]
     pub const fn missed(&self) -> u32 {
         self.missed
     }
 
-    /// Position within the cycle 00, 10, 11, 01.
+    /// Returns the position within the cycle 00, 10, 11, 01 of A and B.
     const fn phase(a: bool, b: bool) -> u8 {
         match (a, b) {
             (false, false) => 0,
@@ -56,8 +59,8 @@ impl Edges {
     }
 }
 
-/// Shaft position at a count, in 2^-32 turns, for an encoder with so many counts a turn (four times its lines).
-/// `counts_per_turn` 0 is taken for 1.
+/// Returns the shaft position at a count, in 2^-32 turns. `counts_per_turn` is four times the
+/// encoder's number of cycles per turn; 0 is taken for 1.
 #[must_use]
 pub const fn turn(count: i32, counts_per_turn: u32) -> u32 {
     let counts_per_turn = if counts_per_turn == 0 { 1 } else { counts_per_turn as u64 };
@@ -65,8 +68,9 @@ pub const fn turn(count: i32, counts_per_turn: u32) -> u32 {
     ((within << 32) / counts_per_turn) as u32
 }
 
-/// A quadrature encoder whose count a function gives, for instance that of a timer in encoder mode, widened to 32 bits.
-/// Zero is where the count is 0: set it at the index pulse or an end stop.
+/// A quadrature encoder whose count comes from a function: for instance the count of a timer in
+/// encoder mode, widened to 32 bits. The position is 0 where the count is 0, so set the count at
+/// the index pulse or an end stop.
 #[derive(Debug)]
 pub struct Quadrature<F> {
     count: F,
@@ -74,12 +78,13 @@ pub struct Quadrature<F> {
 }
 
 impl<F: FnMut() -> i32> Quadrature<F> {
-    /// `counts_per_turn`: four times the encoder's lines, 2000 for one of 500; not 0.
+    /// Returns an encoder. `counts_per_turn` is four times its number of cycles per turn, and not
+    /// 0.
     pub const fn new(count: F, counts_per_turn: u32) -> Self {
         Self { count, counts_per_turn }
     }
 
-    /// Gives the function back.
+    /// Returns the function.
     pub fn release(self) -> F {
         self.count
     }
@@ -102,7 +107,7 @@ mod tests {
 
     #[test]
     fn edges_count_both_ways() {
-        let mut edges = Edges::new(false, false);
+        let mut edges = EdgeCounter::new(false, false);
         for at in 1..=10usize {
             edges.step(CYCLE[at % 4].0, CYCLE[at % 4].1);
             edges.step(CYCLE[at % 4].0, CYCLE[at % 4].1);

@@ -7,15 +7,16 @@ use core::task::Poll;
 use embedded_hal_async::delay::DelayNs;
 use embedded_io_async::{Read, Write};
 
-use super::session::Action;
+use super::action::Action;
 use super::settings::Baud;
 use super::shell::{Error, Outbox, Scanner, ScannerEvent, Todo, to_ms};
-use crate::Clock;
+use crate::clock::Clock;
 
-/// A serial port whose rate can be changed: 8 data bits, no parity, one stop bit. Its `read` must be cancel-safe (lose no
-/// byte when its future is dropped), as buffered UART drivers are: waits are ended by dropping it.
+/// A serial port whose baud rate can be changed: 8 data bits, no parity, one stop bit. Waits are
+/// ended by dropping the future of `read`, so `read` must be cancel-safe: no byte may be lost then.
+/// Buffered UART drivers are.
 pub trait Port: Read + Write {
-    /// Changes the rate. All bytes have been sent before this is called.
+    /// Changes the baud rate. All bytes have been sent before this is called.
     ///
     /// # Errors
     /// The port's own.
@@ -25,8 +26,8 @@ pub trait Port: Read + Write {
 impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
     /// [`Scanner::next_event`] for an async port.
     ///
-    /// Cancel-safe, as far as `read` and `write` of the port are: the future may be dropped at any time. No received byte is
-    /// lost, and the next call goes on with a command that was being sent.
+    /// Cancel-safe if `read` and `write` of the port are: the future may be dropped at any time. No
+    /// received byte is lost, and the next call continues a command that was being sent.
     ///
     /// # Errors
     /// Only those of the port. The call may be repeated.
@@ -71,7 +72,7 @@ impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
     }
 }
 
-/// What `work` gives, unless `limit` is over first.
+/// Returns the result of `work`; `None` if `limit` completes first.
 async fn within<T>(work: impl Future<Output = T>, limit: impl Future<Output = ()>) -> Option<T> {
     let (mut work, mut limit) = (pin!(work), pin!(limit));
     poll_fn(|context| match work.as_mut().poll(context) {

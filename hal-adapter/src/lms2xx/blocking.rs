@@ -3,14 +3,14 @@
 use embedded_hal::delay::DelayNs;
 use embedded_io::{Read, ReadReady, Write};
 
-use super::session::Action;
+use super::action::Action;
 use super::settings::Baud;
 use super::shell::{Error, Outbox, Scanner, ScannerEvent, Todo, to_ms};
-use crate::Clock;
+use crate::clock::Clock;
 
-/// A serial port whose rate can be changed: 8 data bits, no parity, one stop bit.
+/// A serial port whose baud rate can be changed: 8 data bits, no parity, one stop bit.
 pub trait Port: Read + ReadReady + Write {
-    /// Changes the rate. All bytes have been sent before this is called.
+    /// Changes the baud rate. All bytes have been sent before this is called.
     ///
     /// # Errors
     /// The port's own.
@@ -18,15 +18,15 @@ pub trait Port: Read + ReadReady + Write {
 }
 
 impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
-    /// Waits for the next event. Returns within seconds even if there is no scanner (with
-    /// [`ScannerEvent::Trouble`]), and from then on as often as something happens.
+    /// Waits for the next event and returns it. If there is no scanner, [`ScannerEvent::Trouble`]
+    /// comes within seconds.
     ///
-    /// Call it again soon: what comes meanwhile stays in the port, and after more than half a second without a scan the
-    /// scanner is taken to have stopped.
+    /// Call it again soon. Bytes that come in between must find room in the port, and after more
+    /// than half a second without a scan line the scanner counts as stopped.
     ///
     /// # Errors
-    /// Only those of the port. No received byte is lost, and a command that was being sent goes on, so the call may be
-    /// repeated.
+    /// Only those of the port. No received byte is lost, and the next call continues a command that
+    /// was being sent.
     pub fn next_event(&mut self) -> Result<ScannerEvent, Error<P::Error>> {
         loop {
             self.send()?;

@@ -1,13 +1,14 @@
-//! Commands to the LMS 2xx and the answers to them. A [`Session`](super::Session) sends those that setting up and starting
-//! takes by itself; this is for all others, and for drivers of one's own:
+//! Commands to the LMS 2xx and the answers to them. A [`Session`](super::Session) sends the
+//! commands that set the scanner up and start it. Use this module for other commands, or for a
+//! driver of your own:
 //!
 //! ```
 //! use scanseg_hal::lms2xx::command::{Answer, Command};
-//! use scanseg_hal::lms2xx::{Decoder, Event};
+//! use scanseg_hal::lms2xx::{TelegramDecoder, Event};
 //!
 //! assert_eq!(Command::Type.encode().as_slice(), [0x02, 0x00, 0x01, 0x00, 0x3A, 0x1E, 0x12]); // to be sent
 //! let mut received: &[u8] = b"\x06\x02\x80\x17\x00\xBALMS200;301063;V02.10 \x10\x22\x61";
-//! let mut decoder = Decoder::new();
+//! let mut decoder = TelegramDecoder::new();
 //! loop {
 //!     let fed = decoder.feed(received);
 //!     received = &received[fed.used..];
@@ -23,9 +24,10 @@
 //! ```
 
 use super::crc::check_word;
-use super::settings::{Baud, MeasuringMode, Unit, Variant};
+use super::format::{MeasuringMode, Unit, Variant};
+use super::settings::Baud;
 use super::telegram::Telegram;
-use crate::copy;
+use crate::bytes::copy;
 
 /// Answer to a change of the operating mode or the baud rate.
 pub const MODE_ANSWER: u8 = 0xA0;
@@ -33,38 +35,39 @@ pub const MODE_ANSWER: u8 = 0xA0;
 pub const POWER_ON: u8 = 0x90;
 /// Sent by the scanner when it has reset itself on command.
 pub const RESET_ANSWER: u8 = 0x91;
-/// The scanner did not understand.
+/// Answer to a command that the scanner does not know.
 pub const INCORRECT_COMMAND: u8 = 0x92;
 
-/// Longest configuration block that is kept, in bytes. Scanners have 32 or 34.
+/// The longest configuration block that is kept, bytes. Scanners have 32 or 34.
 const MAX_CONFIGURATION: usize = 48;
 /// Longest command: header, code, configuration, check word.
 const MAX_COMMAND: usize = 4 + 1 + MAX_CONFIGURATION + 2;
 
 /// A command to the scanner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
     /// Restart; answered by [`RESET_ANSWER`] and, some 10 s later, [`POWER_ON`].
     Reset,
-    /// Into installation mode, with the factory password: the only mode in which the configuration can be written.
+    /// Into installation mode, with the factory password: the only mode in which the configuration
+    /// can be written.
     Install,
-    /// Send complete scans from now on.
+    /// Send complete scan lines from now on.
     Start,
-    /// Send a partial scan after every mirror turn from now on.
+    /// Send a partial scan line after every mirror turn from now on.
     StartInterlaced,
-    /// Send complete scans of these columns only from now on, first and last 1-based. Answered by 0xB7 telegrams.
+    /// Send these columns only of complete scan lines from now on. They come in 0xB7 telegrams.
     StartSubRange {
         /// First column, 1-based.
         first: u16,
         /// Last column, 1-based, not below `first`, at most [`Variant::columns`].
         last: u16,
     },
-    /// Send nothing unasked; also leaves the installation mode.
+    /// Stop sending scan lines. Also leaves the installation mode.
     Stop,
     /// Change the baud rate until the next power-on. The answer still comes at the old rate.
     SetBaud(Baud),
-    /// Send one scan.
+    /// Send one scan line.
     Poll,
     /// Send the state.
     Status,
@@ -76,12 +79,13 @@ pub enum Command {
     SetVariant(Variant),
     /// Send the configuration.
     ReadConfiguration,
-    /// Write the configuration into the EEPROM, which wears out: only where it differs, and in installation mode.
+    /// Write the configuration into the EEPROM. Possible in installation mode only. The EEPROM
+    /// wears out, so write only what differs.
     WriteConfiguration(Configuration),
 }
 
-/// A command as bytes for the line.
-#[derive(Debug, Clone, Copy)]
+/// The bytes of a command.
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CommandBytes {
     bytes: [u8; MAX_COMMAND],
@@ -91,7 +95,7 @@ pub struct CommandBytes {
 impl CommandBytes {
     pub(crate) const EMPTY: Self = Self { bytes: [0; MAX_COMMAND], length: 0 };
 
-    /// The bytes, start byte to check word.
+    /// Returns the bytes, start byte to check word.
     #[must_use]
     pub fn as_slice(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or(&[])
@@ -106,7 +110,7 @@ impl CommandBytes {
 }
 
 impl Command {
-    /// The code byte of the command.
+    /// Returns the code byte of the command.
     #[must_use]
     pub const fn code(&self) -> u8 {
         match self {
@@ -127,7 +131,7 @@ impl Command {
         }
     }
 
-    /// The code of the telegram that answers it.
+    /// Returns the code of the telegram that answers it.
     #[must_use]
     pub const fn answer_code(&self) -> u8 {
         match self {
@@ -136,7 +140,7 @@ impl Command {
         }
     }
 
-    /// The bytes to send.
+    /// Returns the bytes to send.
     #[must_use]
     pub fn encode(&self) -> CommandBytes {
         let mut out = CommandBytes::EMPTY;
@@ -168,7 +172,7 @@ impl Command {
         out
     }
 
-    /// Reads the telegram that came back. `None`: it answers something else.
+    /// Reads the telegram received. `None` if it does not answer this command.
     #[must_use]
     pub fn answer(&self, telegram: &Telegram<'_>) -> Option<Answer> {
         if telegram.code() == INCORRECT_COMMAND {
@@ -177,7 +181,7 @@ impl Command {
         if telegram.code() != self.answer_code() {
             return None;
         }
-        // Where the first byte tells success it is 0 after mode changes and 1 after settings.
+        // the first byte of a success is 0 after mode changes and 1 after settings
         let good = match self.code() {
             0x20 => Some(0),
             0x3B | 0x77 => Some(1),
@@ -200,19 +204,20 @@ fn variant_bytes(variant: Variant) -> [u8; 4] {
     [variant.view_deg() as u8, 0, variant.step_cdeg() as u8, 0]
 }
 
-/// How the scanner answered a command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The answer of the scanner to a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Answer {
-    /// It did what was asked.
+    /// The command was carried out.
     Done,
-    /// It did not. The byte is the scanner's own reason (mode changes: 1 wrong password or not possible, 2 fault),
-    /// [`INCORRECT_COMMAND`], or 0xFF if it gave none.
+    /// The command was refused. The byte is the scanner's own reason (mode changes: 1 wrong
+    /// password or not possible, 2 fault), [`INCORRECT_COMMAND`], or 0xFF if it gave none.
     Refused(u8),
 }
 
-/// The scanner's configuration block, as read from it. All but two bytes of it are passed through untouched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The configuration block of the scanner. Only measuring mode and unit are changed here, the other
+/// bytes are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Configuration {
     bytes: [u8; MAX_CONFIGURATION],
@@ -223,8 +228,9 @@ impl Configuration {
     const MODE: usize = 5;
     const UNIT: usize = 6;
 
-    /// From the answer to [`Command::ReadConfiguration`] (data without code and status). `None` if it is too short to hold
-    /// unit and mode, or longer than any known scanner's.
+    /// Returns the configuration in an answer to [`Command::ReadConfiguration`], data without code
+    /// and status. `None` if it is too short for unit and mode, or longer than that of any known
+    /// scanner.
     #[must_use]
     pub fn new(data: &[u8]) -> Option<Self> {
         let mut bytes = [0; MAX_CONFIGURATION];
@@ -232,13 +238,13 @@ impl Configuration {
         (data.len() > Self::UNIT).then_some(Self { bytes, length: data.len() })
     }
 
-    /// The block.
+    /// Returns the block.
     #[must_use]
     pub fn as_slice(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or(&[])
     }
 
-    /// The same block with this measuring mode and unit.
+    /// Returns the block with this measuring mode and unit.
     #[must_use]
     pub fn with(mut self, mode: MeasuringMode, unit: Unit) -> Self {
         for (at, code) in [(Self::MODE, mode.code()), (Self::UNIT, unit.code())] {

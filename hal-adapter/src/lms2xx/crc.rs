@@ -1,11 +1,12 @@
 //! The check word of SICK telegrams.
 
-/// The check word over `bytes`, from the start byte to the last byte before the check word itself, which follows in the
-/// telegram low byte first.
+/// Returns the check word over `bytes`: from the start byte to the last byte before the check word.
+/// In the telegram it follows low byte first.
 ///
-/// This is SICK's own rule, not a CRC of any catalogue: the register moves by one bit for each byte, and each byte enters
-/// together with the one before it. It finds every single flipped bit. It cannot see bit `k` of one byte and bit `k + 1`
-/// of the next flipped together, so a telegram must pass further checks before it is believed.
+/// The rule is SICK's own and in no catalogue of CRCs. The register shifts by one bit for each
+/// byte, and each byte enters together with the one before it. Every single flipped bit is found.
+/// Bit `k` of one byte and bit `k + 1` of the next, flipped together, are not found, so telegrams
+/// are checked further.
 #[must_use]
 pub fn check_word(bytes: &[u8]) -> u16 {
     // in 32 bits, of which the lower half counts: half the instructions of 16 on a 32-bit processor

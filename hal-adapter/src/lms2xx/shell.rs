@@ -1,14 +1,16 @@
-//! A scanner on its port: what does not depend on whether the port blocks.
+//! A scanner on its port: the part that blocking and async ports share.
 
+use super::action::{Phase, SessionEvent};
 use super::command::CommandBytes;
-use super::scan::Scan;
-use super::session::{Phase, Session, SessionEvent};
+use super::scan_line::ScanLine;
+use super::session::Session;
 use super::settings::Settings;
 use super::telegram::TelegramError;
 use super::trouble::Trouble;
 
 /// An LMS 2xx on a port, with a [`Clock`](crate::Clock) and a delay: [`Scanner::next_event`] for a
-/// [blocking port](super::blocking::Port), [`Scanner::next_event_async`] for an [async one](super::asynch::Port).
+/// [blocking port](super::blocking::Port), [`Scanner::next_event_async`] for an [async
+/// one](super::asynch::Port).
 #[derive(Debug)]
 pub struct Scanner<P, C, D> {
     pub(super) session: Session,
@@ -20,52 +22,60 @@ pub struct Scanner<P, C, D> {
 }
 
 impl<P, C, D> Scanner<P, C, D> {
-    /// Touches nothing yet: the scanner is looked for in the first calls for an event. 1200 bytes at most, beside port, clock and delay;
-    /// `const`, so that it can be made in place in a static.
+    /// Returns a scanner on this port. The port is not used yet: the first calls for an event look
+    /// for the scanner. At most 1200 bytes besides port, clock and delay. `const`, so that it can
+    /// be made in a static.
     pub const fn new(port: P, clock: C, delay: D, settings: Settings) -> Self {
         Self { session: Session::new(settings), inbox: Inbox::new(), outbox: Outbox::EMPTY, port, clock, delay }
     }
 
-    /// The scan that came with the last event, if that was [`ScannerEvent::Scan`].
-    #[must_use]
-    pub fn scan(&self) -> Option<Scan<'_>> {
-        self.session.scan()
+    /// Returns a scanner to which nothing is sent, see [`Session::listening`].
+    pub const fn listening(port: P, clock: C, delay: D, settings: Settings) -> Self {
+        Self { session: Session::listening(settings), inbox: Inbox::new(), outbox: Outbox::EMPTY, port, clock, delay }
     }
 
-    /// How far the scanner is.
+    /// Returns the scan line that came with the last event, if that was [`ScannerEvent::ScanLine`].
+    #[must_use]
+    pub fn scan_line(&self) -> Option<ScanLine<'_>> {
+        self.session.scan_line()
+    }
+
+    /// Returns the phase of the session.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.session.phase()
     }
 
-    /// Gives port, clock and delay back. The scanner is left as it is.
+    /// Returns port, clock and delay. Nothing is sent to the scanner.
     pub fn release(self) -> (P, C, D) {
         (self.port, self.clock, self.delay)
     }
 }
 
-/// What a scanner on its port has to tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An event of a scanner on its port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ScannerEvent {
-    /// A scan may be beginning: read the tilt encoder now. Of several in a row the last one belongs to the scan.
+    /// A telegram may be beginning: read the tilt encoder now. Of several in a row the last one is
+    /// right.
     Start {
-        /// When the start byte came, by the clock given, microseconds: the time when the last byte was read, less that of the
-        /// bytes behind it and of the silence between telegrams among them. It is as late as the port was in handing its
-        /// bytes over.
+        /// Time of the start byte, microseconds of the clock given. It is the time when the last
+        /// byte was read, less the time that the bytes behind the start byte and the pauses among
+        /// them took. A delay of the port is contained in it.
         time_us: u64,
     },
-    /// A scan: `scan()` gives it until the next call.
-    Scan,
-    /// A damaged telegram, or one unlike the settings.
+    /// A scan line. `scan_line()` returns it until the next call.
+    ScanLine,
+    /// A damaged telegram, or one that does not fit the settings.
     Rejected(TelegramError),
-    /// Something went wrong and is being dealt with; just go on.
+    /// A trouble with the scanner. The session retries by itself; go on.
     Trouble(Trouble),
 }
 
-/// Why the port can no longer be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An error of the port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Error<E> {
     /// The port's own error.
     Port(E),
@@ -84,15 +94,15 @@ impl<E: core::fmt::Display> core::fmt::Display for Error<E> {
 
 impl<E: core::error::Error> core::error::Error for Error<E> {}
 
-/// Bytes read and not yet used up.
+/// Bytes that were read and are not yet used.
 #[derive(Debug)]
 pub(super) struct Inbox {
     bytes: [u8; 64],
     from: usize,
     to: usize,
-    /// When they were read.
+    /// Time when they were read, microseconds.
     read_us: u64,
-    /// The session may have more to say about bytes already used.
+    /// The session may have more events for bytes already used.
     open: bool,
 }
 
@@ -101,18 +111,19 @@ impl Inbox {
         Self { bytes: [0; 64], from: 0, to: 0, read_us: 0, open: false }
     }
 
-    /// Room for one read.
+    /// Returns memory for one read.
     pub(super) fn room(&mut self) -> &mut [u8] {
         &mut self.bytes
     }
 
-    /// So many bytes have been read into `room`, at this time. 0 means that the port has ended.
+    /// Takes note that so many bytes were read into `room` at this time. 0 means that the port has
+    /// ended.
     pub(super) fn filled<E>(&mut self, count: usize, now_us: u64) -> Result<(), Error<E>> {
         (self.from, self.to, self.read_us, self.open) = (0, count, now_us, true);
         if count == 0 { Err(Error::Ended) } else { Ok(()) }
     }
 
-    /// Feeds the session; `None` when it needs more.
+    /// Returns the next event; `None` when more bytes are needed.
     pub(super) fn next(&mut self, session: &mut Session) -> Option<ScannerEvent> {
         if !self.open {
             return None;
@@ -125,7 +136,8 @@ impl Inbox {
     }
 }
 
-/// A command on its way out, kept here so that an error of the port or a dropped future does not cut it off.
+/// A command that is being sent. It is kept here so that sending can go on after an error of the
+/// port or a dropped future.
 #[derive(Debug)]
 pub(super) struct Outbox {
     bytes: CommandBytes,
@@ -134,15 +146,15 @@ pub(super) struct Outbox {
     then: Then,
 }
 
-/// What has to come before the next bytes are written.
-#[derive(Debug, Clone, Copy)]
+/// What comes next.
+#[derive(Clone, Copy, Debug)]
 enum Then {
     Write,
     Flush,
     Gap,
 }
 
-/// The next thing to do with an [`Outbox`].
+/// What to do with an [`Outbox`].
 pub(super) enum Todo<'a> {
     Write(&'a [u8]),
     Flush,
@@ -156,7 +168,7 @@ impl Outbox {
         Self { bytes, gap_us, ..Self::EMPTY }
     }
 
-    /// `None`: every byte has left the port, so that the rate may be changed.
+    /// Returns what to do; `None` when all bytes have left the port.
     pub(super) fn todo(&self) -> Option<Todo<'_>> {
         let rest = self.bytes.as_slice().get(self.sent..).unwrap_or(&[]);
         Some(match (self.then, rest) {
@@ -168,43 +180,46 @@ impl Outbox {
         })
     }
 
-    /// The port has taken so many bytes.
+    /// Takes note that the port has accepted so many bytes.
     pub(super) fn written<E>(&mut self, count: usize) -> Result<(), Error<E>> {
         self.sent += count;
         self.then = Then::Flush;
         if count == 0 { Err(Error::Ended) } else { Ok(()) }
     }
 
+    /// Takes note that the port has sent its bytes.
     pub(super) fn flushed(&mut self) {
         self.then = if self.gap_us > 0 { Then::Gap } else { Then::Write };
     }
 
+    /// Takes note that the pause is over.
     pub(super) fn gap_over(&mut self) {
         self.then = Then::Write;
     }
 }
 
-/// Gives a session bytes, the last of which came at `now_us`: how many it used, and what it told; `None` when it needs more.
+/// Gives bytes to a session. The last of them came at `now_us`. Returns the number of bytes used
+/// and the event; `None` when more bytes are needed.
 pub(crate) fn feed(session: &mut Session, bytes: &[u8], now_us: u64) -> (usize, Option<ScannerEvent>) {
     let (used, event) = session.feed(to_ms(now_us), bytes);
     let event = match event {
         SessionEvent::NeedMore => return (used, None),
         SessionEvent::Start { bytes_ago } => {
             let bytes_behind = bytes.len().saturating_sub(used) as u32 + u32::from(bytes_ago);
-            // The line is silent after each telegram.
+            // there is a pause after each telegram
             let (settings, baud) = (session.settings(), session.baud());
             let length = settings.telegram_bytes();
             let silence_us = settings.period_us().saturating_sub(baud.line_time_us(length));
             let age_us = baud.line_time_us(bytes_behind) + bytes_behind / length * silence_us;
             ScannerEvent::Start { time_us: now_us.saturating_sub(u64::from(age_us)) }
         }
-        SessionEvent::Scan => ScannerEvent::Scan,
+        SessionEvent::ScanLine => ScannerEvent::ScanLine,
         SessionEvent::Rejected(error) => ScannerEvent::Rejected(error),
     };
     (used, Some(event))
 }
 
-/// The session's clock.
+/// Returns the time for the session, which counts milliseconds.
 pub(super) fn to_ms(us: u64) -> u32 {
     (us / 1000) as u32
 }
@@ -215,6 +230,6 @@ mod tests {
 
     #[test]
     fn size() {
-        assert!(size_of::<Scanner<(), (), ()>>() <= 1200, "as its documentation says");
+        assert!(size_of::<Scanner<(), (), ()>>() <= 1200, "as documented");
     }
 }

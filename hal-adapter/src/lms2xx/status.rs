@@ -1,15 +1,15 @@
 //! The status byte at the end of every telegram of the scanner.
 
 /// Status byte of the scanner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Status(
+pub struct ScannerStatus(
     /// The byte as sent.
     pub u8,
 );
 
-/// Gravity of what the scanner has to say, bits 0 to 2 of its status.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// Severity of a status, bits 0 to 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Severity {
     /// No fault.
@@ -24,8 +24,9 @@ pub enum Severity {
     Fatal,
 }
 
-impl Status {
-    /// Gravity, bits 0 to 2. `None` for 5 to 7, which no scanner sends: telegrams with it are rejected.
+impl ScannerStatus {
+    /// Returns the severity, bits 0 to 2. `None` for 5 to 7, which no scanner sends: telegrams with
+    /// them are rejected.
     #[must_use]
     pub fn severity(self) -> Option<Severity> {
         Some(match self.0 & 0x07 {
@@ -38,25 +39,25 @@ impl Status {
         })
     }
 
-    /// Bits 3 and 4: 2 in an ordinary LMS, 3 in the LMS 2xx-S14.
+    /// Returns bits 3 and 4: 2 for an ordinary LMS, 3 for the LMS 2xx-S14.
     #[must_use]
     pub fn device(self) -> u8 {
         (self.0 >> 3) & 0x03
     }
 
-    /// Bit 5: the scanner is restarting; seen in the first answers after power-on.
+    /// Returns bit 5: the scanner is restarting. It is set in the first answers after power-on.
     #[must_use]
     pub fn restarting(self) -> bool {
         self.0 & 0x20 != 0
     }
 
-    /// Bit 6: implausible measured values.
+    /// Returns bit 6: the measured values are implausible.
     #[must_use]
     pub fn implausible(self) -> bool {
         self.0 & 0x40 != 0
     }
 
-    /// Bit 7: the front screen is dirty.
+    /// Returns bit 7: the front screen is polluted.
     #[must_use]
     pub fn polluted(self) -> bool {
         self.0 & 0x80 != 0

@@ -6,11 +6,12 @@
 //! Before an answer the scanner sends one bare byte, ACK or NACK.
 
 use super::crc::check_word;
-use super::scan::{Scan, ScanError, ScanFormat};
-use super::status::Status;
-use crate::copy;
+use super::format::ScanLineFormat;
+use super::scan_line::{ScanLine, ScanLineError};
+use super::status::ScannerStatus;
+use crate::bytes::copy;
 
-/// Longest telegram, start byte and check word included: a scan of 401 values.
+/// Length of the longest telegram, start byte and check word included: a scan line of 401 values.
 pub const MAX_TELEGRAM: usize = 812;
 
 const START: u8 = 0x02;
@@ -21,36 +22,37 @@ pub(crate) const NACK: u8 = 0x15;
 const HEADER: usize = 4;
 const CHECK: usize = 2;
 
-/// What a call of [`Decoder::feed`] met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What [`TelegramDecoder::feed`] found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
-    /// All bytes are used and nothing is complete. Feed more bytes.
+    /// All bytes are used and no event is complete. Feed more bytes.
     NeedMore,
-    /// A byte that may begin a telegram: the moment to read the tilt encoder. It lies `bytes_ago` bytes before the last
-    /// byte used: 0 in an undisturbed stream, more when the search had to go back behind a bad telegram. Whether it was a
-    /// telegram shows later; each telegram is preceded by its own `Start`, and the last one before it is the true one.
+    /// A byte that may begin a telegram: read the tilt encoder now. The last `Start` before a
+    /// telegram is its own; others were false. In an undisturbed stream `bytes_ago` is 0. It is
+    /// more when the search went back behind a bad telegram.
     Start {
         /// Bytes between the start byte and the last byte used.
         bytes_ago: u16,
     },
-    /// The byte 0x06 outside any telegram. Means something only while a command waits for its answer.
+    /// The byte 0x06 outside any telegram. Meaningful only while a command waits for its answer.
     Ack,
-    /// The byte 0x15 outside any telegram. Means something only while a command waits for its answer.
+    /// The byte 0x15 outside any telegram. Meaningful only while a command waits for its answer.
     Nack,
-    /// A good telegram: [`Decoder::telegram`] gives it until the next `feed`.
+    /// A valid telegram. [`TelegramDecoder::telegram`] returns it until the next call of `feed`.
     Telegram {
         /// Its code: command + 0x80.
         code: u8,
     },
-    /// What began like a telegram is none. The search has resumed right behind its start byte, so a good telegram within
-    /// its bytes is found all the same.
+    /// Bytes that began like a telegram are not a valid one. The search resumes behind their start
+    /// byte, so that a valid telegram among them is found.
     Rejected(TelegramError),
 }
 
 /// Why bytes that began like a telegram were rejected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum TelegramError {
     /// The check word differs.
     CheckWord {
@@ -59,11 +61,11 @@ pub enum TelegramError {
         /// Found behind them.
         found: u16,
     },
-    /// The check word is right but the severity in the status byte is none of SICK's five.
+    /// The check word is right, but the status byte has none of the five severities.
     Status(u8),
-    /// A scan telegram whose inner fields contradict each other, or the [`ScanFormat`] that was asked for.
-    Scan(ScanError),
-    /// The line fell silent within it, see [`Decoder::expire`].
+    /// The fields of a scan telegram contradict each other or the [`ScanLineFormat`] expected.
+    ScanLine(ScanLineError),
+    /// The bytes stopped within it, see [`TelegramDecoder::expire`].
     Unfinished {
         /// Bytes that had come.
         got: u16,
@@ -75,7 +77,7 @@ impl core::fmt::Display for TelegramError {
         match self {
             Self::CheckWord { computed, found } => write!(f, "check word is {found:#06x}, should be {computed:#06x}"),
             Self::Status(status) => write!(f, "status byte {status:#04x} has no such severity"),
-            Self::Scan(error) => write!(f, "scan telegram: {error}"),
+            Self::ScanLine(error) => write!(f, "scan telegram: {error}"),
             Self::Unfinished { got } => write!(f, "telegram broke off after {got} bytes"),
         }
     }
@@ -83,23 +85,24 @@ impl core::fmt::Display for TelegramError {
 
 impl core::error::Error for TelegramError {}
 
-/// Answer of [`Decoder::feed`]: what happened, and how much of the input was used for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Result of [`TelegramDecoder::feed`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub struct Fed {
-    /// Bytes used; feed the rest again, even if it is empty, until [`Event::NeedMore`] comes.
+    /// Number of bytes used. Feed the rest again, even if it is empty, until [`Event::NeedMore`]
+    /// comes.
     pub used: usize,
     /// What happened.
     pub event: Event,
 }
 
-/// Finds the scanner's telegrams in a stream of bytes that comes in pieces of any size.
+/// Finds the telegrams of the scanner in bytes, which come in pieces of any size.
 ///
 /// ```
-/// use scanseg_hal::lms2xx::{Decoder, Event};
+/// use scanseg_hal::lms2xx::{TelegramDecoder, Event};
 ///
-/// let mut decoder = Decoder::new();
+/// let mut decoder = TelegramDecoder::new();
 /// let mut bytes: &[u8] = &[0x06, 0x02, 0x80, 0x03, 0x00, 0xA0, 0x00, 0x10, 0x16, 0x0A];
 /// loop {
 ///     let fed = decoder.feed(bytes);
@@ -112,56 +115,56 @@ pub struct Fed {
 /// }
 /// ```
 ///
-/// The sequence of events does not depend on the pieces, apart from `NeedMore`. One call does bounded work: at most one
-/// check word over at most [`MAX_TELEGRAM`] bytes.
-#[derive(Debug, Clone)]
-pub struct Decoder {
+/// The sequence of events, except for `NeedMore`, does not depend on the pieces. The work of one
+/// call is bounded: at most one check word over at most [`MAX_TELEGRAM`] bytes.
+#[derive(Clone, Debug)]
+pub struct TelegramDecoder {
     buffer: [u8; MAX_TELEGRAM],
-    /// The bytes held are `buffer[first..end]`. If there are any, the first is a start byte.
+    /// The bytes held are `buffer[first..end]`. If there are any, the first one is a start byte.
     first: usize,
     end: usize,
     /// The start byte at `first` has been reported.
     announced: bool,
-    /// Length of the good telegram at `first`, until the next `feed`.
+    /// Length of the valid telegram at `first`, until the next `feed`; else 0.
     complete: usize,
-    /// Bytes held at which there is something to decide about the start byte at `first`: nothing with fewer.
+    /// Number of bytes held at which the next decision about the start byte at `first` can be made.
     decide_at: usize,
-    format: Option<ScanFormat>,
+    format: Option<ScanLineFormat>,
 }
 
-/// What the bytes held say.
+/// A decision about the start byte at `first`.
 enum Verdict {
-    /// So many more are needed for the next decision.
+    /// So many more bytes are needed.
     Need(usize),
-    /// No telegram begins at this start byte, and it never looked much like one.
+    /// No telegram begins here. The bytes did not look enough like one to report it.
     NoTelegram,
+    /// What began here is not a valid telegram.
     Bad(TelegramError),
-    Good {
-        code: u8,
-        length: usize,
-    },
+    /// A valid telegram.
+    Good { code: u8, length: usize },
 }
 
-impl Default for Decoder {
+impl Default for TelegramDecoder {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Decoder {
-    /// A decoder that has seen nothing. `const`, so that it can be made in place in a static.
+impl TelegramDecoder {
+    /// Returns a decoder without bytes. `const`, so that it can be made in a static.
     #[must_use]
     pub const fn new() -> Self {
         Self { buffer: [0; MAX_TELEGRAM], first: 0, end: 0, announced: false, complete: 0, decide_at: 0, format: None }
     }
 
-    /// What every scan telegram must be from now on; others are rejected. `None` (as at first) takes any scan whose fields
-    /// agree among themselves. The check word is weak, so set this as soon as it is known.
-    pub const fn expect_scans(&mut self, format: Option<ScanFormat>) {
+    /// Sets the format that every scan line must have from now on. Others are rejected. `None`, the
+    /// initial state, accepts every scan line whose fields do not contradict each other. The check
+    /// word is weak, so set the format as soon as it is known.
+    pub const fn expect_scan_lines(&mut self, format: Option<ScanLineFormat>) {
         self.format = format;
     }
 
-    /// Forgets all bytes held, for instance after a change of the baud rate.
+    /// Drops all bytes held, for instance after a change of the baud rate.
     pub fn clear(&mut self) {
         self.first = 0;
         self.end = 0;
@@ -170,15 +173,15 @@ impl Decoder {
         self.decide_at = 0;
     }
 
-    /// Takes bytes up to the next event. Call again with the rest of the input until [`Event::NeedMore`]: several telegrams
-    /// can come out of bytes already used.
+    /// Takes bytes up to the next event. Call it again with the rest of the input until
+    /// [`Event::NeedMore`]: there can be several telegrams in bytes already used.
     pub fn feed(&mut self, input: &[u8]) -> Fed {
         self.drop_complete();
         let mut used = 0;
         loop {
             let rest = input.get(used..).unwrap_or(&[]);
             if self.first == self.end {
-                // Between telegrams: bytes are looked at one by one and not kept.
+                // between telegrams, bytes are looked at one by one and not kept
                 let Some(&byte) = rest.first() else { return Fed { used, event: Event::NeedMore } };
                 used += 1;
                 match byte {
@@ -221,7 +224,7 @@ impl Decoder {
         }
     }
 
-    /// The telegram that the last `feed` reported.
+    /// Returns the telegram that the last `feed` reported.
     #[must_use]
     pub fn telegram(&self) -> Option<Telegram<'_>> {
         if self.complete == 0 {
@@ -231,9 +234,10 @@ impl Decoder {
         Some(Telegram { payload })
     }
 
-    /// Says that the line has been silent for longer than a telegram can pause (a few milliseconds): the telegram now held,
-    /// if any, will not be finished. A false start byte may have swallowed a good telegram that came after it: call
-    /// `feed(&[])` after this until `NeedMore`, and again `expire` until it returns `None`.
+    /// Gives up the unfinished telegram held, if any. Call it after a silence longer than the
+    /// pauses within a telegram, a few milliseconds. A valid telegram can be among the bytes held
+    /// behind a false start byte: call `feed(&[])` until `NeedMore` after this, and repeat both
+    /// until this returns `None`.
     pub fn expire(&mut self) -> Option<TelegramError> {
         self.drop_complete();
         let got = self.held().len() as u16;
@@ -244,7 +248,8 @@ impl Decoder {
         Some(TelegramError::Unfinished { got })
     }
 
-    /// Decides about the start byte at `first`. Decisions fall at fixed numbers of bytes held, whatever pieces they came in.
+    /// Decides about the start byte at `first`. Decisions are made at fixed numbers of bytes held,
+    /// so they do not depend on the pieces.
     fn examine(&self) -> Verdict {
         let held = self.held();
         let need = |length: usize| Verdict::Need(length - held.len());
@@ -262,14 +267,17 @@ impl Decoder {
         if code < 0x80 {
             return Verdict::NoTelegram;
         }
-        // A scan tells early whether its length and its count agree: no need to wait for the end of a false one.
-        if let Some(head_length) = Scan::head_length(code) {
+        // the head of a scan telegram is checked at once, without waiting for the end of a false
+        // one
+        if let Some(head_length) = ScanLine::head_length(code) {
             if payload_length < head_length + 1 {
-                return Verdict::Bad(TelegramError::Scan(ScanError::TooShort { length: payload_length as u16 }));
+                return Verdict::Bad(TelegramError::ScanLine(ScanLineError::TooShort {
+                    length: payload_length as u16,
+                }));
             }
             let Some(head) = held.get(HEADER..HEADER + head_length) else { return need(HEADER + head_length) };
-            if let Err(error) = Scan::check_head(head, payload_length, self.format.as_ref()) {
-                return Verdict::Bad(TelegramError::Scan(error));
+            if let Err(error) = ScanLine::check_head(head, payload_length, self.format.as_ref()) {
+                return Verdict::Bad(TelegramError::ScanLine(error));
             }
         }
         let (Some(covered), Some(&[low, high])) = (held.get(..length - CHECK), held.get(length - CHECK..length)) else {
@@ -279,13 +287,14 @@ impl Decoder {
         if computed != found {
             return Verdict::Bad(TelegramError::CheckWord { computed, found });
         }
-        let status = Status(covered.last().copied().unwrap_or(0));
+        let status = ScannerStatus(covered.last().copied().unwrap_or(0));
         if status.severity().is_none() {
             return Verdict::Bad(TelegramError::Status(status.0));
         }
         Verdict::Good { code, length }
     }
 
+    /// Returns the bytes held.
     fn held(&self) -> &[u8] {
         self.buffer.get(self.first..self.end).unwrap_or(&[])
     }
@@ -293,7 +302,7 @@ impl Decoder {
     /// Appends bytes. There is room: `examine` never asks for more than a telegram.
     fn hold(&mut self, bytes: &[u8]) {
         if self.end + bytes.len() > MAX_TELEGRAM {
-            // Bounds that the compiler can see, so that no panic is left in the code.
+            // bounds that the compiler can see, so that it leaves no panic in the image
             let end = self.end.min(MAX_TELEGRAM);
             let first = self.first.min(end);
             self.buffer.copy_within(first..end, 0);
@@ -306,6 +315,7 @@ impl Decoder {
         }
     }
 
+    /// Drops the telegram that was reported.
     fn drop_complete(&mut self) {
         let length = core::mem::take(&mut self.complete);
         self.first += length;
@@ -314,12 +324,13 @@ impl Decoder {
         }
     }
 
-    /// Gives up the start byte at `first` and goes to the next one held.
+    /// Drops the start byte at `first` and goes to the next one held.
     fn drop_start(&mut self) {
         self.first += 1;
         self.seek_start();
     }
 
+    /// Drops the bytes before the next start byte.
     fn seek_start(&mut self) {
         self.announced = false;
         self.decide_at = 0;
@@ -330,35 +341,35 @@ impl Decoder {
     }
 }
 
-/// A good telegram, borrowed from its [`Decoder`].
-#[derive(Debug, Clone, Copy)]
+/// A valid telegram, borrowed from its [`TelegramDecoder`].
+#[derive(Clone, Copy, Debug)]
 pub struct Telegram<'a> {
-    /// CODE to STATUS, at least those two.
+    /// Code to status, at least these two.
     payload: &'a [u8],
 }
 
 impl<'a> Telegram<'a> {
-    /// Command + 0x80; [`super::command`] names them.
+    /// Returns the code, which is that of the command + 0x80; see [`command`](super::command).
     #[must_use]
     pub fn code(&self) -> u8 {
         self.payload.first().copied().unwrap_or(0)
     }
 
-    /// What stands between the code and the status byte.
+    /// Returns the bytes between the code and the status.
     #[must_use]
     pub fn data(&self) -> &'a [u8] {
         self.payload.get(1..self.payload.len() - 1).unwrap_or(&[])
     }
 
-    /// The scanner's state, last byte before the check word.
+    /// Returns the status of the scanner, the last byte before the check word.
     #[must_use]
-    pub fn status(&self) -> Status {
-        Status(self.payload.last().copied().unwrap_or(0))
+    pub fn status(&self) -> ScannerStatus {
+        ScannerStatus(self.payload.last().copied().unwrap_or(0))
     }
 
-    /// The scan in it, if it is one (codes 0xB0 and 0xB7).
+    /// Returns the scan line in it, if it has one (codes 0xB0 and 0xB7).
     #[must_use]
-    pub fn scan(&self) -> Option<Scan<'a>> {
-        Scan::new(self.payload)
+    pub fn scan_line(&self) -> Option<ScanLine<'a>> {
+        ScanLine::new(self.payload)
     }
 }

@@ -1,12 +1,12 @@
-//! What can go wrong between a session and its scanner.
+//! Troubles between a session and its scanner.
 
-use serde::{Deserialize, Serialize};
-
-/// What went wrong. The session retries by itself and never gives up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// A trouble with the scanner. The session retries by itself and never gives up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Trouble {
-    /// No answer at any rate. The search goes on.
+    /// The scanner answers at no baud rate. The search goes on.
     NotFound,
     /// A command was not answered, several times.
     NoAnswer {
@@ -30,7 +30,7 @@ pub enum Trouble {
         /// Its length in bytes.
         length: u16,
     },
-    /// Scans stopped coming, or none is as the settings say.
+    /// Scan lines stopped coming, or none fits the settings.
     Silent,
     /// The scanner announced that it has been switched on or was reset.
     Restarted,

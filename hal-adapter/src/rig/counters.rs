@@ -1,44 +1,46 @@
-//! What a rig has seen, counted.
+//! Counts of the events of a rig.
 
-use serde::{Deserialize, Serialize};
-
-/// Why a good telegram did not become a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// Why a valid telegram did not become a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Dropped {
     /// The tilt was not sampled near its beams.
     NoTurn,
-    /// The tilt stood, or its encoder was stuck.
+    /// The tilt did not move, or its encoder was stuck.
     Standing,
-    /// The tilt moved faster than it can: its encoder jumped.
+    /// The tilt moved faster than it can: the encoder jumped.
     Jump,
-    /// The tilt was where neither the scan nor the next row had it: an encoder that was wrong, or the only row of a sweep.
+    /// The tilt was not where the scan or the next row had it: an encoder error, or the only row of
+    /// a sweep.
     Alone,
     /// The scanner reported an error or implausible values.
     Status,
-    /// It has not the columns of the settings.
+    /// The number of columns is not that of the settings.
     Columns,
-    /// The sink has broken off the scan.
+    /// The sink had broken off the scan.
     Stopped,
-    /// The segmenter refused it.
+    /// The segmenter refused the row.
     Refused,
 }
 
-/// What has happened since the rig was made. Counts go round at 2^32: telegrams after two years.
+/// Counts since the rig was made. They wrap at 2^32, which telegrams reach after two years.
 ///
-/// `telegrams` is the sum of `rows` and all kinds of dropped ones, but for one that may still be held.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// `telegrams` is the sum of `rows` and of all dropped telegrams, plus one while a row is held.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
     /// Bytes given to [`Rig::receive`](super::Rig::receive).
     pub bytes: u64,
-    /// Good scan telegrams.
+    /// Valid scan telegrams.
     pub telegrams: u32,
-    /// Beginnings of telegrams that turned out to be damaged, or none. Not the number of telegrams lost: one that is
-    /// damaged can contain several, and one whose start byte is lost contains none.
+    /// Rejected beginnings of telegrams. This is not the number of damaged telegrams: a damaged
+    /// telegram can contain several beginnings, and one whose start byte is lost contains none.
     pub rejected: u32,
-    /// Telegrams that must have been sent between two good ones, by the time between them. After a trouble from the first
-    /// good one on, or from the second if the scanner's answer that it starts was lost as well.
+    /// Lost telegrams, by the time between valid ones. After a [`Trouble`](crate::lms2xx::Trouble)
+    /// the count goes on with the first valid telegram, or with the second if the scanner's answer
+    /// to the start command was lost.
     pub lost: u32,
     /// Rows given to the segmenter.
     pub rows: u32,
@@ -58,9 +60,9 @@ pub struct Counters {
     pub stopped: u32,
     /// Telegrams dropped, see [`Dropped::Refused`].
     pub refused: u32,
-    /// Samples of the tilt that could not be taken.
+    /// Samples of the tilt that failed.
     pub encoder_errors: u32,
-    /// Troubles of the scanner.
+    /// Troubles of the scanner, see [`Trouble`](crate::lms2xx::Trouble).
     pub troubles: u32,
     /// Scans begun.
     pub scans: u32,
@@ -69,7 +71,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// Good telegrams that did not become rows.
+    /// Returns the number of valid telegrams that did not become rows.
     #[must_use]
     pub const fn dropped(&self) -> u32 {
         let Self { no_turn, standing, jump, alone, status, columns, stopped, refused, .. } = *self;
@@ -77,6 +79,7 @@ impl Counters {
         tilt.wrapping_add(status).wrapping_add(columns).wrapping_add(stopped).wrapping_add(refused)
     }
 
+    /// Returns the count of this reason.
     pub(super) fn of(&mut self, dropped: Dropped) -> &mut u32 {
         match dropped {
             Dropped::NoTurn => &mut self.no_turn,
@@ -91,6 +94,7 @@ impl Counters {
     }
 }
 
+/// Adds 1, and wraps.
 pub(super) fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }

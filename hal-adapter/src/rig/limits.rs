@@ -1,38 +1,41 @@
-//! How the tilt of a rig moves, and what cannot be.
+//! How the tilt of a rig moves.
 
 use scanseg_core::{Beams, Columns, TurnAxis};
 
 use crate::lms2xx::{Settings, Variant};
 
 /// How the tilt moves within a sweep.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TiltLimits {
-    /// Slowest rate, radians a second, above 0. A tilt that is slower stands, or its encoder is stuck.
+    /// Slowest rate, radians a second, above 0. A slower tilt counts as standing, or its encoder as
+    /// stuck.
     pub min_rate_rad_per_s: f32,
-    /// Fastest rate, radians a second, not below the slowest, and less than half a turn per telegram. A tilt that is faster
-    /// has an encoder that jumps. Leave room for the encoder's steps: 14 bits a turn, read every 13 ms, give the rate to
-    /// 0.03 rad/s.
+    /// Fastest rate, radians a second, not below the slowest, and less than half a turn per
+    /// telegram. A faster tilt counts as a jump of the encoder. Leave a margin for the encoder's
+    /// resolution: with 14 bits a turn, read every 13 ms, the rate has steps of 0.03 rad/s.
     pub max_rate_rad_per_s: f32,
-    /// A scan that has covered so much is complete, radians, above 0: half a turn for a scanner that goes round and round,
-    /// infinite for one that turns back by itself.
+    /// Angle after which a scan is complete, radians, above 0. Half a turn for a scanner that turns
+    /// continuously, infinite for one that turns back.
     pub sweep_rad: f32,
-    /// A scan is over when no row has come for so long, microseconds; at least three telegrams.
+    /// Time without a row after which a scan is over, microseconds; at least three telegrams.
     pub pause_us: u32,
 }
 
-/// What is wrong with a rig.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Why a rig is refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RigError {
-    /// The limits of the rate are not 0 < slowest <= fastest < half a turn per telegram, here in radians a second.
+    /// The rates, radians a second, do not satisfy 0 < slowest <= fastest < half a turn per
+    /// telegram.
     Rates {
         /// The slowest.
         min: f32,
         /// The fastest.
         max: f32,
     },
-    /// A sweep is not above 0.
+    /// The angle of a sweep, radians, is not above 0.
     Sweep(f32),
     /// The pause is shorter than three telegrams.
     Pause {
@@ -41,7 +44,8 @@ pub enum RigError {
         /// Microseconds given.
         got_us: u32,
     },
-    /// Partial scans that are not whole rows: of the interlaced variants only those in steps of 1 degree make rows.
+    /// The interlaced telegrams of this variant are not whole rows: only those in steps of 1 degree
+    /// are.
     Interlaced,
     /// The memory for rows is too small.
     Memory {
@@ -67,11 +71,12 @@ impl core::fmt::Display for RigError {
 impl core::error::Error for RigError {}
 
 impl TiltLimits {
-    /// The tilt can turn at this rate, one way or the other, within a sweep.
+    /// Returns whether the tilt can turn at this rate, in either direction.
     pub(super) fn plausible(&self, rate_rad_per_s: f32) -> bool {
         (self.min_rate_rad_per_s..=self.max_rate_rad_per_s).contains(&rate_rad_per_s.abs())
     }
 
+    /// Checks the limits for a scanner with these settings.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), RigError> {
         let Self { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us: got_us } = *self;
         let period_us = settings.period_us();
@@ -85,15 +90,15 @@ impl TiltLimits {
         if got_us < 3 * period_us {
             return Err(RigError::Pause { needed_us: 3 * period_us, got_us });
         }
-        if settings.interlaced && settings.variant.turns() > 1 {
+        if settings.interlaced && settings.variant.mirror_turns() > 1 {
             return Err(RigError::Interlaced);
         }
         Ok(())
     }
 }
 
-/// The beams of an LMS 2xx that tilts: columns from right to left, turn angles upwards from level (the y axis of
-/// [`Beams::Nodding`]).
+/// Returns the beams of an LMS 2xx that tilts. Columns run from right to left, turn angles are
+/// positive upwards ([`TurnAxis::Y`]).
 #[must_use]
 pub const fn beams(variant: Variant) -> Beams<'static> {
     let start_rad = -0.5 * (variant.view_deg() as f32).to_radians();

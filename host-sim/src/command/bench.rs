@@ -6,8 +6,9 @@ use clap::Args;
 use scanseg_sim::timing::Timing;
 use serde::Serialize;
 
-use super::options::{Options, in_terms_of_options};
-use super::{Failure, Scan, print};
+use crate::command::input::Input;
+use crate::command::options::{Options, in_terms_of_options};
+use crate::command::output::{Failure, print};
 
 /// Time the core alone: all rows of a scan from memory, labels and planes out
 #[derive(Args)]
@@ -27,8 +28,9 @@ pub struct Arguments {
     options: Options,
 }
 
+/// What is printed.
 #[derive(Serialize)]
-struct Line {
+struct Figures {
     median_ns_per_point: f64,
     min_ns_per_point: f64,
     points: usize,
@@ -37,23 +39,21 @@ struct Line {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let scan = Scan::read(&arguments.scan, &arguments.geometry)?;
-    arguments.options.check()?;
-    let config = arguments.options.config(&scan.geometry);
-    let (approach, max_labels) = (arguments.options.approach(), arguments.options.max_labels());
-    let rounds = arguments.repeat as usize;
-    let timing = Timing::of(&scan.ranges, &scan.geometry, approach, &config, max_labels, rounds)
-        .map_err(|e| in_terms_of_options(&scan.name, e))?;
-    let line = Line {
+    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let config = arguments.options.config(&input.geometry)?;
+    let (max_labels, rounds) = (arguments.options.max_labels(), arguments.repeat as usize);
+    let timing = Timing::of(&input.ranges, &input.geometry, config, max_labels, rounds)
+        .map_err(|e| in_terms_of_options(&input.name, e))?;
+    let figures = Figures {
         median_ns_per_point: timing.median_ns(),
         min_ns_per_point: timing.ns_per_point[0],
-        points: scan.ranges.range_m.len(),
+        points: input.ranges.range_m.len(),
         segments: timing.segments,
     };
     if arguments.json {
-        return print(&(serde_json::to_string(&line)? + "\n"));
+        return print(&(serde_json::to_string(&figures)? + "\n"));
     }
-    let Line { median_ns_per_point, min_ns_per_point, points, segments } = line;
+    let Figures { median_ns_per_point, min_ns_per_point, points, segments } = figures;
     print(&format!(
         "median_ns_per_point {median_ns_per_point:.2}\nmin_ns_per_point {min_ns_per_point:.2}\n\
          points {points}\nsegments {segments}\n"

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use scanseg_sim::format::{GreyImage, RangeImage};
+use scanseg_formats::{GreyImage, RangeImage};
 use scanseg_sim::office::{Scene, Sensor, Set};
 
-use super::options::Options;
-use super::segment::{self, Output};
-use super::{Failure, Scan, print, write};
+use crate::command::input::Input;
+use crate::command::options::Options;
+use crate::command::output::{Failure, print, write};
+use crate::command::segment::{ListOptions, segment};
 
 /// Standard deviation of a range if nothing else is asked for.
 const RANGE_NOISE_M: f64 = 0.01;
@@ -28,7 +29,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
     #[command(flatten)]
-    output: Output,
+    lists: ListOptions,
     #[command(flatten)]
     options: Options,
 }
@@ -43,14 +44,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // As from the file, so that `scanseg segment` on it gives the same.
     let ranges = RangeImage::from_grey(&image, &geometry)?;
 
-    let scan = Scan { name: "simulated office".to_string(), geometry, ranges };
-    arguments.options.check()?;
-    let config = arguments.options.config(&scan.geometry);
-    let (approach, max_labels) = (arguments.options.approach(), arguments.options.max_labels());
-    let (mut files, summary) = segment::segment(&scan, approach, &config, max_labels, &arguments.output)?;
+    let input = Input { name: "simulated office".to_string(), geometry, ranges };
+    let config = arguments.options.config(&input.geometry)?;
+    let (mut files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
     files.push(("scan.png".to_string(), image.to_png()));
     files.push(("scan.pgm".to_string(), image.to_pgm()));
-    files.push(("geometry.toml".to_string(), scan.geometry.to_toml().into_bytes()));
+    files.push(("geometry.toml".to_string(), input.geometry.to_toml().into_bytes()));
     files.push(("truth.png".to_string(), truth.to_png()));
     write(&arguments.out, &files)?;
     print(&format!("{summary}look at {}\n", arguments.out.join("overview.png").display()))

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use scanseg_sim::format::GreyImage;
+use scanseg_formats::GreyImage;
 use scanseg_sim::hoover::{Hoover, Overlaps};
 use serde::Serialize;
 
-use super::{Failure, print, write};
+use crate::command::output::{Failure, print, write};
 
 /// Hoover's customary tolerance.
 const TOLERANCE: f64 = 0.8;
@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Label image to evaluate, of the same size; 0 is no region
     #[arg(long, value_name = "FILE")]
     labels: PathBuf,
-    /// Part of its pixels that a region must share, above 0.5, up to 1 [default: 0.8, and hoover.csv has all from 0.51
-    /// to 1 in steps of 0.01]
+    /// Part of its pixels that a region must share, above 0.5, up to 1 [default: 0.8, and
+    /// hoover.csv has all from 0.51 to 1 in steps of 0.01]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Regions of fewer pixels count as no region, in both images
@@ -33,9 +33,9 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// One line of the results.
+/// The counts at one tolerance.
 #[derive(Serialize)]
-struct Line {
+struct Record {
     tolerance: f64,
     truth_regions: usize,
     segments: usize,
@@ -46,9 +46,9 @@ struct Line {
     noise: usize,
 }
 
-impl From<Hoover> for Line {
-    fn from(h: Hoover) -> Line {
-        Line {
+impl From<Hoover> for Record {
+    fn from(h: Hoover) -> Record {
+        Record {
             tolerance: h.tolerance,
             truth_regions: h.truth_regions,
             segments: h.segments,
@@ -61,7 +61,7 @@ impl From<Hoover> for Line {
     }
 }
 
-impl Line {
+impl Record {
     const NAMES: [&str; 8] =
         ["tolerance", "truth_regions", "segments", "correct", "over_segmented", "under_segmented", "missed", "noise"];
 
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(format!("{labels_name}: {}, but {truth_name} has {}", size(&labels), size(&truth)).into());
     }
     let overlaps = Overlaps::new(&truth.values, &labels.values, arguments.min_pixels as usize)?;
-    let line = |tolerance| Ok::<_, Failure>(Line::from(overlaps.at(tolerance)?));
+    let line = |tolerance| Ok::<_, Failure>(Record::from(overlaps.at(tolerance)?));
     let chosen = line(arguments.tolerance.unwrap_or(TOLERANCE))?;
     let curve = match arguments.tolerance {
         Some(tolerance) => vec![line(tolerance)?],
@@ -99,12 +99,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.out {
         let mut json = serde_json::to_vec_pretty(&chosen)?;
         json.push(b'\n');
-        let mut csv = Line::NAMES.join(",") + "\n";
+        let mut csv = Record::NAMES.join(",") + "\n";
         curve.iter().for_each(|line| csv += &(line.fields().join(",") + "\n"));
         let files = [("hoover.json", json), ("hoover.csv", csv.into_bytes())];
         write(folder, &files.map(|(name, bytes)| (name.to_string(), bytes)).into())?;
     }
     let table: Vec<_> =
-        Line::NAMES.iter().zip(chosen.fields()).map(|(name, field)| format!("{name:16}{field:>8}\n")).collect();
+        Record::NAMES.iter().zip(chosen.fields()).map(|(name, field)| format!("{name:16}{field:>8}\n")).collect();
     print(&table.concat())
 }

@@ -6,8 +6,8 @@ use clap::Args;
 use scanseg_sim::experiment::{Results, report};
 use scanseg_sim::office::SCENES;
 
-use super::office::SetName;
-use super::{Failure, print, segment, write};
+use crate::command::output::{Failure, bar, print, write};
+use crate::command::scene_set::SetName;
 
 /// Run the experiment of the paper (section 5, Figs. 6 to 9) and draw its figures
 ///
@@ -26,7 +26,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let bar = segment::bar(Results::steps(arguments.scenes));
+    let bar = bar(Results::steps(arguments.scenes));
     let results = Results::of(arguments.set.set(), arguments.scenes, || bar.inc(1));
     bar.finish_and_clear();
     write(&arguments.out, &report::files(&results))?;

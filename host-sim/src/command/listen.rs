@@ -5,14 +5,15 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 use clap::Args;
-use scanseg_hal::link::{Decoder, Received};
+use scanseg_hal::link::{FrameDecoder, Received};
 
-use super::messages::line;
-use super::{Failure, print};
+use crate::command::messages::line;
+use crate::command::output::{Failure, print};
 
 /// Print the results that a board sends over its link
 ///
-/// Reads frames to the end of the file or stream. A serial device is set up beforehand: stty -F DEVICE 115200 raw -echo
+/// Reads frames to the end of the file or stream. A serial device is set up beforehand: stty -F
+/// DEVICE 115200 raw -echo
 #[derive(Args)]
 pub struct Arguments {
     /// File or device; - for standard input
@@ -26,7 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "-" => Box::new(io::stdin()),
         _ => Box::new(File::open(&arguments.source).map_err(failed)?),
     };
-    let mut decoder = Decoder::new();
+    let mut decoder = FrameDecoder::new();
     let (mut messages, mut lost, mut damaged) = (0u64, 0u64, 0u64);
     let mut buffer = [0; 4096];
     let end = loop {

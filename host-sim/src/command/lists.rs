@@ -5,8 +5,8 @@ use std::fmt::Write;
 use scanseg_core::{Plane, Segment};
 use serde::Serialize;
 
-use super::Failure;
-use super::options::Configuration;
+use crate::command::options::Configuration;
+use crate::command::output::Failure;
 
 /// What `segments.json` holds.
 #[derive(Serialize)]

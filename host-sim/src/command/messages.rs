@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use clap::Args;
-use scanseg_hal::link::{Decoder, Message, Received, Reporter, SegmentReport};
+use scanseg_hal::link::{FrameDecoder, Message, Received, Reporter, SegmentReport};
 use scanseg_hal::rig::Counters;
 
 /// How results are reported.
 #[derive(Args)]
-pub struct Output {
+pub struct LinkOptions {
     /// Smaller segments are left out
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     min_pixels: u32,
@@ -24,16 +24,27 @@ pub struct Output {
 pub struct Host {
     pub lines: Vec<String>,
     pub bytes: Vec<u8>,
+    /// For each scan that is over, the count of lines at its end.
+    pub scan_ends: Vec<usize>,
 }
 
-impl Output {
+impl Host {
+    fn take(&mut self, received: &Received) {
+        self.lines.extend(line(received));
+        if let Received::Message { message: Message::ScanFinished(_), .. } = received {
+            self.scan_ends.push(self.lines.len());
+        }
+    }
+}
+
+impl LinkOptions {
     /// A reporter whose frames come to `host`.
     pub fn reporter(&self, host: &Rc<RefCell<Host>>) -> Reporter<impl FnMut(&[u8]) + use<>> {
-        let (host, mut decoder) = (Rc::clone(host), Decoder::new());
+        let (host, mut decoder) = (Rc::clone(host), FrameDecoder::new());
         Reporter::new(self.min_pixels, move |frame: &[u8]| {
             let mut host = host.borrow_mut();
             host.bytes.extend(frame);
-            decoder.feed(frame, |received| host.lines.extend(line(&received)));
+            decoder.feed(frame, |received| host.take(&received));
         })
     }
 }

@@ -1,31 +1,29 @@
-//! The subcommands, one per file, and what they share: how they end.
+//! The `scanseg` command: the subcommands, one per file.
 
 mod bench;
 mod demo;
 mod evaluate;
 mod experiment;
+mod input;
 mod listen;
 mod lists;
 mod messages;
 mod office;
 mod options;
+mod output;
 mod replay;
 mod rig;
+mod scene_set;
 mod segment;
 
-use std::error::Error;
-use std::fs;
-use std::io::{self, ErrorKind, Write};
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use scanseg_sim::format::{Geometry, GreyImage, RangeImage, write_all_or_none};
 
-/// What went wrong, in one line.
-type Failure = Box<dyn Error>;
+use crate::command::output::Failure;
 
-/// Segments range images from scanners into planar pieces, row by row (Harati, Gaechter, Siegwart 2006).
+/// Segments range images from scanners into planar pieces, row by row (Harati, Gaechter, Siegwart
+/// 2006).
 #[derive(Parser)]
 #[command(name = "scanseg", version, arg_required_else_help = true)]
 struct Arguments {
@@ -81,41 +79,4 @@ fn first_paragraph(e: &clap::Error) -> String {
     let text = e.render().to_string();
     let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     lines.join(" ").trim_start_matches("error: ").to_string()
-}
-
-/// A range image and its geometry.
-struct Scan {
-    /// What messages call it.
-    name: String,
-    geometry: Geometry,
-    ranges: RangeImage,
-}
-
-impl Scan {
-    fn read(scan: &Path, geometry: &Path) -> Result<Scan, Failure> {
-        let image = GreyImage::read(scan)?;
-        let parsed = Geometry::read(geometry)?;
-        let ranges = RangeImage::from_grey(&image, &parsed)
-            .map_err(|e| format!("{}: does not fit {}: {e}", geometry.display(), scan.display()))?;
-        Ok(Scan { name: scan.display().to_string(), geometry: parsed, ranges })
-    }
-}
-
-/// Files to be, with their names.
-type Files = Vec<(String, Vec<u8>)>;
-
-/// Writes all files into a folder, which is made if it is not there, or none of them.
-fn write(folder: &Path, files: &Files) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let paths: Vec<_> = files.iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
-    let files: Vec<_> = paths.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
-    Ok(write_all_or_none(&files)?)
-}
-
-/// Prints to stdout. A reader that has gone is no failure.
-fn print(text: &str) -> Result<(), Failure> {
-    match io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(format!("stdout: {e}").into()),
-        _ => Ok(()),
-    }
 }

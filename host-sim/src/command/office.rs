@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use scanseg_sim::format::{GreyImage, RangeImage};
-use scanseg_sim::office::{SCENES, Scan, Scene, Sensor, Set};
+use scanseg_formats::{GreyImage, RangeImage};
+use scanseg_sim::office::{SCENES, Scene, Sensor, Set, SimulatedScan};
 use scanseg_sim::overview::truth_and_depth;
 
-use super::{Failure, Files, print, write};
+use crate::command::output::{Failure, Files, print, write};
+use crate::command::scene_set::SetName;
 
 /// Write simulated offices with their ground truth
 ///
-/// For scene N of a set: SET-NN.pgm (range image), SET-NN-truth.pgm (surface ids, 0 without a return) and SET-NN.png
-/// (truth and depth side by side); and geometry.toml, the same for all.
+/// For scene N of a set: SET-NN.pgm (range image), SET-NN-truth.pgm (surface ids, 0 without a
+/// return) and SET-NN.png (truth and depth side by side); and geometry.toml, the same for all.
 #[derive(Args)]
 pub struct Arguments {
     /// Folder for the files; made if it is not there
@@ -30,23 +31,6 @@ pub struct Arguments {
     /// Only this scene; from 25 on further ones of the same kinds [default: 0 to 24]
     #[arg(long, value_name = "N")]
     scene: Option<u32>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum SetName {
-    /// For choosing parameters
-    Tuning,
-    /// For measuring what was chosen
-    Validation,
-}
-
-impl SetName {
-    pub fn set(self) -> Set {
-        match self {
-            SetName::Tuning => Set::Tuning,
-            SetName::Validation => Set::Validation,
-        }
-    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -75,7 +59,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut files = Files::new();
     let mut geometry_toml = String::new();
     for number in scenes.clone() {
-        let Scan { rows, columns, range_m, truth, geometry } = Scene::numbered(set, number).scan(&sensor, 0)?;
+        let SimulatedScan { rows, columns, range_m, truth, geometry } =
+            Scene::numbered(set, number).scan(&sensor, 0)?;
         let ranges = RangeImage { rows, columns, range_m };
         let name = format!("{set_name}-{number:02}");
         let image = ranges.to_grey(&geometry).map_err(|e| format!("{name}: {e}"))?;

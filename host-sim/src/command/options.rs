@@ -1,12 +1,14 @@
 //! The options that every segmenting subcommand takes: the configuration, value by value.
 
 use clap::{Args, ValueEnum};
-use scanseg_core::{Config, ConfigError, Element, MAX_RANGE_M, Trace};
-use scanseg_sim::format::{Depth, Geometry, Kind};
-use scanseg_sim::segmentation::{Approach, SegmentationError};
+use scanseg_core::{
+    AnyConfig, Approach, ConfigError, EdgeConfig, Element, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig, Trace,
+};
+use scanseg_formats::{Depth, Geometry, Kind};
+use scanseg_sim::segmentation::SegmentationError;
 use serde::Serialize;
 
-use super::Failure;
+use crate::command::output::Failure;
 
 #[derive(Args)]
 pub struct Options {
@@ -16,7 +18,8 @@ pub struct Options {
     /// How the scan is segmented [default: as the other options need it, or that of the preset]
     #[arg(long, value_enum)]
     approach: Option<ApproachOption>,
-    /// Standard deviation of one range, metres [default: that of the geometry file, or of the preset]
+    /// Standard deviation of one range, metres [default: that of the geometry file, or of the
+    /// preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub range_noise_m: Option<f64>,
     /// Nearer ranges count as no return [default: that of the geometry file, or of the preset]
@@ -25,23 +28,28 @@ pub struct Options {
     /// Farther ranges count as no return [default: that of the geometry file, or of the preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     max_range_m: Option<f64>,
-    /// Edge-based: a roof edge is where the bearing angle turns by this much or more [default: of the preset]
+    /// Edge-based: a roof edge is where the bearing angle turns by this much or more [default: of
+    /// the preset]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     roof_angle_deg: Option<f32>,
-    /// Edge-based: a step edge needs a bearing angle within this of 0 or 180 degrees [default: of the preset]
+    /// Edge-based: a step edge needs a bearing angle within this of 0 or 180 degrees [default: of
+    /// the preset]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     step_angle_deg: Option<f32>,
-    /// Edge-based: comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the previous pixel, such as 0x3 or
-    /// 2x-2; each may be made longer by a factor, as in row*3 [default: of the preset]
+    /// Edge-based: comma list of row, column, diagonal, antidiagonal or ROWSxCOLUMNS back to the
+    /// previous pixel, such as 0x3 or 2x-2; each may be made longer by a factor, as in row*3
+    /// [default: of the preset]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_trace)]
     traces: Vec<Trace>,
     /// Edge-based: structuring element of the closing [default: of the preset]
     #[arg(long, value_enum)]
     closing: Option<Closing>,
-    /// Region-based: a line of a row ends where the bearing angle turns by this much or more [default: of the preset]
+    /// Region-based: a line of a row ends where the bearing angle turns by this much or more
+    /// [default: of the preset]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     line_angle_deg: Option<f32>,
-    /// Region-based: surfaces may be this far from a plane, besides the noise [default: of the preset]
+    /// Region-based: surfaces may be this far from a plane, besides the noise [default: of the
+    /// preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     plane_distance_m: Option<f32>,
     /// Size of the table of live labels [default: enough for any image]
@@ -51,9 +59,10 @@ pub struct Options {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Preset {
-    /// Planes that go on from row to row: right at the noise of real scanners, nothing to set but the noise
+    /// Planes that go on from row to row: right at the noise of real scanners, nothing to set but
+    /// the noise
     Default,
-    /// The paper's edge-based method, see Config::paper
+    /// The paper's edge-based method, see EdgeConfig::paper
     Paper,
 }
 
@@ -76,11 +85,25 @@ enum Closing {
 }
 
 impl Options {
-    /// The configuration for a scan of this geometry.
-    pub fn config(&self, geometry: &Geometry) -> Config<'_> {
-        let mut config = Config::paper();
-        // The range image already lacks what is outside of the geometry's limits, which for depths along a camera's axis
-        // are no limits of the range.
+    /// Returns the configuration for a scan of this geometry. Refuses a value that the approach
+    /// does not use.
+    pub fn config(&self, geometry: &Geometry) -> Result<AnyConfig<'_>, Failure> {
+        let approach = self.approach();
+        if let Some((option, needed)) = self.given().find(|&(_, needed)| needed != approach) {
+            return Err(format!("{option} needs --approach {}", name(needed)).into());
+        }
+        let ranging = self.ranging(geometry);
+        Ok(match approach {
+            Approach::Plane => PlaneConfig::new(ranging).into(),
+            Approach::Edge => self.edge_config(ranging).into(),
+            Approach::Region => self.region_config(ranging).into(),
+        })
+    }
+
+    fn ranging(&self, geometry: &Geometry) -> Ranging {
+        let preset = EdgeConfig::paper().ranging;
+        // The range image already lacks what is outside of the geometry's limits, which for depths
+        // along a camera's axis are no limits of the range.
         let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
         let no_minimum = |m: f64| if m > 0.0 { m as f32 } else { f32::MIN_POSITIVE };
         let maximum = |m: f64| if depths { MAX_RANGE_M } else { MAX_RANGE_M.min(m as f32) };
@@ -88,32 +111,39 @@ impl Options {
             option.map(|m| m as f32).or(in_file).unwrap_or(preset)
         };
         let noise_m = geometry.range_noise_m.map(|m| m as f32);
-        config.range_noise_m = given(self.range_noise_m, noise_m, config.range_noise_m);
-        config.min_range_m = given(self.min_range_m, geometry.min_range_m.map(no_minimum), config.min_range_m);
-        config.max_range_m = given(self.max_range_m, geometry.max_range_m.map(maximum), config.max_range_m);
-        if let Some(deg) = self.roof_angle_deg {
-            config.roof_angle_rad = deg.to_radians();
-        }
-        if let Some(deg) = self.step_angle_deg {
-            config.step_angle_rad = deg.to_radians();
-        }
-        if !self.traces.is_empty() {
-            config.traces = &self.traces;
-        }
-        if let Some(deg) = self.line_angle_deg {
-            config.line_angle_rad = deg.to_radians();
-        }
-        config.plane_distance_m = self.plane_distance_m.unwrap_or(config.plane_distance_m);
-        config.closing = match self.closing {
-            Some(Closing::Plus) => Element::Plus,
-            Some(Closing::Square) => Element::Square,
-            None => config.closing,
-        };
-        config
+        Ranging::new(given(self.range_noise_m, noise_m, preset.range_noise_m)).with_limits(
+            given(self.min_range_m, geometry.min_range_m.map(no_minimum), preset.min_range_m),
+            given(self.max_range_m, geometry.max_range_m.map(maximum), preset.max_range_m),
+        )
     }
 
-    /// The approach that is named, or else the one that the given values belong to, or else that of the preset.
-    pub fn approach(&self) -> Approach {
+    fn edge_config(&self, ranging: Ranging) -> EdgeConfig<'_> {
+        let paper = EdgeConfig::paper();
+        let traces = if self.traces.is_empty() { paper.traces } else { &self.traces };
+        let closing = match self.closing {
+            Some(Closing::Plus) => Element::Plus,
+            Some(Closing::Square) => Element::Square,
+            None => paper.closing,
+        };
+        paper
+            .with_ranging(ranging)
+            .with_traces(traces)
+            .with_roof_angle_rad(self.roof_angle_deg.map_or(paper.roof_angle_rad, f32::to_radians))
+            .with_step_angle_rad(self.step_angle_deg.map_or(paper.step_angle_rad, f32::to_radians))
+            .with_closing(closing)
+    }
+
+    fn region_config(&self, ranging: Ranging) -> RegionConfig {
+        let paper = RegionConfig::paper();
+        paper
+            .with_ranging(ranging)
+            .with_line_angle_rad(self.line_angle_deg.map_or(paper.line_angle_rad, f32::to_radians))
+            .with_plane_distance_m(self.plane_distance_m.unwrap_or(paper.plane_distance_m))
+    }
+
+    /// The approach that is named, or else the one that the given values belong to, or else that of
+    /// the preset.
+    fn approach(&self) -> Approach {
         match (self.approach, self.preset) {
             (Some(ApproachOption::Plane), _) => Approach::Plane,
             (Some(ApproachOption::Edge), _) => Approach::Edge,
@@ -123,14 +153,6 @@ impl Options {
                 (None, Preset::Default) => Approach::Plane,
                 (None, Preset::Paper) => Approach::Edge,
             },
-        }
-    }
-
-    /// Refuses a value that the approach does not use.
-    pub fn check(&self) -> Result<(), Failure> {
-        match self.given().find(|&(_, approach)| approach != self.approach()) {
-            Some((option, approach)) => Err(format!("{option} needs --approach {}", name(approach)).into()),
-            None => Ok(()),
         }
     }
 
@@ -208,7 +230,8 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
     }
 }
 
-/// A configuration as the lists of segments state it.
+/// A configuration as the lists of segments state it. The settings of other approaches are those of
+/// the paper.
 #[derive(Serialize)]
 pub struct Configuration {
     approach: &'static str,
@@ -224,21 +247,24 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    pub fn new(approach: Approach, config: &Config<'_>) -> Self {
+    pub fn new(config: &AnyConfig<'_>) -> Self {
+        let ranging = config.ranging();
+        let edge = if let AnyConfig::Edge(config) = config { *config } else { EdgeConfig::paper() };
+        let region = if let AnyConfig::Region(config) = config { *config } else { RegionConfig::paper() };
         Configuration {
-            approach: name(approach),
-            range_noise_m: config.range_noise_m,
-            min_range_m: config.min_range_m,
-            max_range_m: config.max_range_m,
-            roof_angle_deg: config.roof_angle_rad.to_degrees(),
-            step_angle_deg: config.step_angle_rad.to_degrees(),
-            traces: config.traces.iter().map(|t| format!("{}x{}", t.rows, t.columns)).collect(),
-            closing: match config.closing {
+            approach: name(config.approach()),
+            range_noise_m: ranging.range_noise_m,
+            min_range_m: ranging.min_range_m,
+            max_range_m: ranging.max_range_m,
+            roof_angle_deg: edge.roof_angle_rad.to_degrees(),
+            step_angle_deg: edge.step_angle_rad.to_degrees(),
+            traces: edge.traces.iter().map(|t| format!("{}x{}", t.rows, t.columns)).collect(),
+            closing: match edge.closing {
                 Element::Plus => "plus",
                 Element::Square => "square",
             },
-            line_angle_deg: config.line_angle_rad.to_degrees(),
-            plane_distance_m: config.plane_distance_m,
+            line_angle_deg: region.line_angle_rad.to_degrees(),
+            plane_distance_m: region.plane_distance_m,
         }
     }
 }

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use scanseg_core::{Config, Trace};
-use scanseg_sim::format::GreyImage;
+use indicatif::ProgressBar;
+use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
+use scanseg_formats::GreyImage;
 use scanseg_sim::overview::{Images, overview};
-use scanseg_sim::segmentation::{Approach, Segmentation, SegmentationError, bearing_image};
+use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
-use super::lists::{Entry, Header, Listing};
-use super::options::{Configuration, Options, in_terms_of_options};
-use super::{Failure, Files, Scan, print, write};
+use crate::command::input::Input;
+use crate::command::lists::{Entry, Header, Listing};
+use crate::command::options::{Configuration, Options, in_terms_of_options};
+use crate::command::output::{Failure, Files, bar, print, write};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
@@ -29,121 +30,72 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    output: Output,
+    lists: ListOptions,
     #[command(flatten)]
     options: Options,
 }
 
 /// What is written of a segmentation.
 #[derive(Args)]
-pub struct Output {
+pub struct ListOptions {
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     min_pixels: u32,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let scan = Scan::read(&arguments.scan, &arguments.geometry)?;
-    arguments.options.check()?;
-    let config = arguments.options.config(&scan.geometry);
-    let (files, summary) =
-        segment(&scan, arguments.options.approach(), &config, arguments.options.max_labels(), &arguments.output)?;
+    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let config = arguments.options.config(&input.geometry)?;
+    let (files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a scan: the files to write, and what to print.
+/// Segments a range image. Returns the files to write, and what to print.
 pub fn segment(
-    scan: &Scan,
-    approach: Approach,
-    config: &Config<'_>,
+    input: &Input,
+    config: AnyConfig<'_>,
     max_labels: Option<usize>,
-    output: &Output,
+    lists: &ListOptions,
 ) -> Result<(Files, String), Failure> {
-    let (rows, columns) = (scan.ranges.rows, scan.ranges.columns);
-    let runs = if approach == Approach::Edge { 3 } else { 1 };
+    let (rows, columns) = (input.ranges.rows, input.ranges.columns);
+    let runs = if config.approach() == Approach::Edge { 3 } else { 1 };
     let bar = if rows * columns > LONG_SCAN { bar(runs * rows) } else { ProgressBar::hidden() };
-    let run = |config: &Config<'_>| {
-        Segmentation::of(&scan.ranges, &scan.geometry, approach, config, max_labels, || bar.inc(1))
-            .map_err(|e| in_terms_of_options(&scan.name, e))
+    let run = |config: AnyConfig<'_>| {
+        Segmentation::of(&input.ranges, &input.geometry, config, max_labels, || bar.inc(1))
+            .map_err(|e| in_terms_of_options(&input.name, e))
     };
     let started = Instant::now();
     let segmentation = run(config)?;
     let seconds = started.elapsed().as_secs_f64();
-    // the traces of the configuration along rows and along columns, those between neighbours if it has none
-    let traces = |usual: Trace, along: fn(&Trace) -> bool| {
-        let some: Vec<Trace> = config.traces.iter().copied().filter(along).collect();
-        if some.is_empty() { vec![usual] } else { some }
-    };
-    let edges_along = |usual, along| Ok::<_, Failure>(run(&Config { traces: &traces(usual, along), ..*config })?.edges);
-    let (edges_rows, edges_columns);
-    let edges: &[(&str, &[bool])] = match approach {
-        Approach::Edge => {
-            edges_rows = edges_along(Trace::ROW, |t| t.rows == 0)?;
-            edges_columns = edges_along(Trace::COLUMN, |t| t.columns == 0)?;
-            &[
-                ("Edges along rows", &edges_rows),
-                ("Edges along columns", &edges_columns),
-                ("Edges of all traces", &segmentation.edges),
-                ("Edges after closing", &segmentation.closed_edges),
-            ]
-        }
-        Approach::Plane => &[("Pixels on no plane", &segmentation.closed_edges)],
-        Approach::Region => {
-            &[("Where lines begin", &segmentation.edges), ("Pixels on no line", &segmentation.closed_edges)]
-        }
+    let edges = match config {
+        AnyConfig::Edge(config) => edges_along_rows_and_columns(config, run)?,
+        _ => vec![],
     };
     bar.finish_and_clear();
 
-    let listed = segmentation.of_pixels(output.min_pixels);
-    let grey = |max_value, values| GreyImage { rows, columns, max_value, values }.to_png();
-    let numbers = segmentation.numbers(output.min_pixels);
-    if listed.len() > usize::from(u16::MAX) {
-        let (found, min_pixels) = (listed.len(), output.min_pixels);
-        let what = format!("{found} segments of {min_pixels} pixels or more are too many for labels.png (65535)");
-        return Err(format!("{}: {what}: use a larger --min-pixels", scan.name).into());
-    }
-    let labels_png = grey(65535, numbers.iter().map(|&n| n as u16).collect());
-    let edges_png = grey(255, segmentation.closed_edges.iter().map(|&edge| if edge { 255 } else { 0 }).collect());
-
-    let bearing =
-        |trace| -> Result<Vec<u16>, SegmentationError> { bearing_image(&scan.ranges, &scan.geometry, config, trace) };
-    let [horizontal, vertical] = [bearing(Trace::ROW)?, bearing(Trace::COLUMN)?];
-    let listing = Listing {
-        header: Header {
-            rows,
-            columns,
-            returns: scan
-                .ranges
-                .range_m
-                .iter()
-                .filter(|m| (config.min_range_m..=config.max_range_m).contains(m))
-                .count(),
-            edge_pixels: segmentation.closed_edges.iter().filter(|&&edge| edge).count(),
-            segment_pixels: segmentation.segments.iter().map(|s| s.pixels() as usize).sum(),
-            unlabelled_pixels: segmentation.unlabelled,
-            segments_found: segmentation.segments.len(),
-            segments_listed: listed.len(),
-            min_pixels: output.min_pixels,
-            configuration: Configuration::new(approach, config),
-        },
-        segments: (1..).zip(listed).map(|(number, segment)| Entry::new(number, segment)).collect(),
-    };
+    let numbers = segmentation.numbers(lists.min_pixels);
+    let listing = listing(input, &config, &segmentation, lists.min_pixels);
+    let labels_png = labels_png(input, &numbers, &listing)?;
+    let [horizontal, vertical, diagonal, antidiagonal] =
+        bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
     let images = Images {
         bearing_rows: &horizontal,
         bearing_columns: &vertical,
-        edges,
+        edges: &titled(config.approach(), &edges, &segmentation),
         closed_edges: &segmentation.closed_edges,
         numbers: &numbers,
     };
+    let grey = |max_value, values| GreyImage { rows, columns, max_value, values }.to_png();
+    let edges_png = grey(255, segmentation.closed_edges.iter().map(|&edge| if edge { 255 } else { 0 }).collect());
     let files = [
-        ("overview.png", overview(&scan.ranges, &scan.geometry, &images).to_png()),
+        ("overview.png", overview(&input.ranges, &input.geometry, &images).to_png()),
         ("labels.png", labels_png),
         ("edges.png", edges_png),
         ("bearing-horizontal.png", grey(65535, horizontal)),
         ("bearing-vertical.png", grey(65535, vertical)),
-        ("bearing-diagonal.png", grey(65535, bearing(Trace::DIAGONAL)?)),
-        ("bearing-antidiagonal.png", grey(65535, bearing(Trace::ANTIDIAGONAL)?)),
+        ("bearing-diagonal.png", grey(65535, diagonal)),
+        ("bearing-antidiagonal.png", grey(65535, antidiagonal)),
         ("segments.csv", listing.csv()),
         ("segments.json", listing.json()?),
     ];
@@ -152,8 +104,81 @@ pub fn segment(
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 
-/// A bar on stderr; nothing is drawn where that is no terminal.
-pub fn bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("segmenting {wide_bar} {percent} %, {eta} left");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+/// Returns the edges of the traces along rows alone, and of those along columns alone: of the
+/// traces of the configuration, or of those between neighbours if it has none that way.
+fn edges_along_rows_and_columns(
+    config: EdgeConfig<'_>,
+    run: impl Fn(AnyConfig<'_>) -> Result<Segmentation, Failure>,
+) -> Result<Vec<Vec<bool>>, Failure> {
+    let along: [(Trace, fn(&Trace) -> bool); 2] =
+        [(Trace::ROW, |trace| trace.rows == 0), (Trace::COLUMN, |trace| trace.columns == 0)];
+    let edges = along.map(|(usual, is_along)| {
+        let mut traces: Vec<Trace> = config.traces.iter().copied().filter(is_along).collect();
+        if traces.is_empty() {
+            traces.push(usual);
+        }
+        Ok(run(config.with_traces(&traces).into())?.edges)
+    });
+    edges.into_iter().collect()
+}
+
+/// Returns the images of edges with their titles.
+fn titled<'a>(
+    approach: Approach,
+    along: &'a [Vec<bool>],
+    segmentation: &'a Segmentation,
+) -> Vec<(&'static str, &'a [bool])> {
+    let (edges, closed_edges) = (&segmentation.edges[..], &segmentation.closed_edges[..]);
+    match approach {
+        Approach::Edge => {
+            let titles = ["Edges along rows", "Edges along columns", "Edges of all traces", "Edges after closing"];
+            titles.into_iter().zip(along.iter().map(Vec::as_slice).chain([edges, closed_edges])).collect()
+        }
+        Approach::Plane => vec![("Pixels on no plane", closed_edges)],
+        Approach::Region => vec![("Where lines begin", edges), ("Pixels on no line", closed_edges)],
+    }
+}
+
+fn bearing_images<const N: usize>(
+    input: &Input,
+    config: &AnyConfig<'_>,
+    traces: [Trace; N],
+) -> Result<[Vec<u16>; N], SegmentationError> {
+    let mut images = [const { vec![] }; N];
+    for (image, trace) in images.iter_mut().zip(traces) {
+        *image = bearing_image(&input.ranges, &input.geometry, &config.ranging(), trace)?;
+    }
+    Ok(images)
+}
+
+fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, min_pixels: u32) -> Listing {
+    let ranging = config.ranging();
+    let listed = segmentation.of_pixels(min_pixels);
+    let is_return = |range_m: &&f32| (ranging.min_range_m..=ranging.max_range_m).contains(*range_m);
+    Listing {
+        header: Header {
+            rows: segmentation.rows,
+            columns: segmentation.columns,
+            returns: input.ranges.range_m.iter().filter(is_return).count(),
+            edge_pixels: segmentation.closed_edges.iter().filter(|&&edge| edge).count(),
+            segment_pixels: segmentation.segments.iter().map(|s| s.pixels() as usize).sum(),
+            unlabelled_pixels: segmentation.unlabelled,
+            segments_found: segmentation.segments.len(),
+            segments_listed: listed.len(),
+            min_pixels,
+            configuration: Configuration::new(config),
+        },
+        segments: (1..).zip(listed).map(|(number, segment)| Entry::new(number, segment)).collect(),
+    }
+}
+
+/// Returns the image of the segments' numbers. Its 16 bits must do for them.
+fn labels_png(input: &Input, numbers: &[u32], listing: &Listing) -> Result<Vec<u8>, Failure> {
+    let Header { rows, columns, segments_listed: found, min_pixels, .. } = listing.header;
+    if found > usize::from(u16::MAX) {
+        let what = format!("{found} segments of {min_pixels} pixels or more are too many for labels.png (65535)");
+        return Err(format!("{}: {what}: use a larger --min-pixels", input.name).into());
+    }
+    let values = numbers.iter().map(|&number| number as u16).collect();
+    Ok(GreyImage { rows, columns, max_value: 65535, values }.to_png())
 }

@@ -1,7 +1,8 @@
-//! Charts as SVG, and any SVG as PNG. A chart is a grid of panels: those of a row share its y axis, all share the x axis.
+//! Charts as SVG, and any SVG as PNG. A chart is a grid of panels: those of a row share its y axis,
+//! all share the x axis.
 //!
-//! The SVG is also fit to stand in a web page: text and axes have the page's colour, and its style sheet can give others
-//! to the classes `paper` (background) and `s0`, `s1`, ... (curves).
+//! The SVG is also fit to stand in a web page: text and axes have the page's colour, and its style
+//! sheet can give others to the classes `paper` (background) and `s0`, `s1`, ... (curves).
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -14,7 +15,8 @@ const GAP: (f64, f64) = (30.0, 26.0);
 /// For labels to the left, above (legend and titles), to the right, below.
 const MARGINS: (f64, f64, f64, f64) = (62.0, 56.0, 18.0, 46.0);
 
-/// Colours and dashes of curves, by style; from the palette of Okabe and Ito, which the colour-blind can tell apart.
+/// Colours and dashes of curves, by style; from the palette of Okabe and Ito, which the
+/// colour-blind can tell apart.
 const STYLES: [(&str, &str); 4] = [("#0072b2", ""), ("#d55e00", "7 3"), ("#008763", "2 2"), ("#b35a90", "9 2 2 2")];
 
 /// How values become places.
@@ -40,7 +42,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis from 0 to `max` or a little more, with ticks at round numbers. A `max` of 0 or less is 1.
+    /// A linear axis from 0 to `max` or a little more, with ticks at round numbers. A `max` of 0 or
+    /// less is 1.
     pub fn up_to(label: &str, max: f64) -> Axis {
         let max = if max > 0.0 { max } else { 1.0 };
         let decade = 10f64.powf((max / 5.0).log10().floor());
@@ -135,7 +138,8 @@ impl Chart {
         svg.finish()
     }
 
-    /// A panel with its upper left corner at `corner`; `last` in the column has the ticks of x below.
+    /// A panel with its upper left corner at `corner`; `last` in the column has the ticks of x
+    /// below.
     fn panel(&self, svg: &mut Svg, corner: (f64, f64), y: &Axis, curves: &[Curve], last: bool) {
         let at_x = |value| corner.0 + self.panel.0 * self.x.place(value);
         let at_y = |value| corner.1 + self.panel.1 * (1.0 - y.place(value));
@@ -309,7 +313,8 @@ mod tests {
         };
         let (left, above, ..) = MARGINS;
         let (width, height) = chart().panel;
-        // a quarter along the first curve; shortly before the end of the second, which lies beyond the axis
+        // a quarter along the first curve; shortly before the end of the second, which lies beyond
+        // the axis
         assert_eq!(pixel(left + width / 4.0, above + height / 4.0), [0x00, 0x72, 0xb2]);
         assert_eq!(pixel(left + width - 2.0, above + 1.6), [0xd5, 0x5e, 0x00]);
         assert_eq!(pixel(1.0, 1.0), [255; 3]);

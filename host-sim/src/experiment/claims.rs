@@ -1,17 +1,17 @@
 //! What the paper claims, beside what was found: verdicts that follow from the numbers alone.
 
-use super::{EDGE, REGION, Results, TOLERANCES};
+use crate::experiment::counts::Counts;
+use crate::experiment::method::{COMPARED_AT, EDGE, REGION, TOLERANCES};
+use crate::experiment::results::Results;
 
 /// "A few percent better": more than 0 and at most so many percentage points.
 const FEW_PERCENT: f64 = 10.0;
 
-/// The tolerance at which methods are compared, percent: Hoover's customary one.
-pub const COMPARED_AT: u32 = 80;
-
 /// "Low" under-segmentation: at most so many percent of the truth regions, at any tolerance.
 const LOW_PERCENT: f64 = 5.0;
 
-/// A method that finds fewer of the truth regions than this at every tolerance, percent, has no merit in mixing few.
+/// A method that finds fewer of the truth regions than this at every tolerance, percent, has no
+/// merit in mixing few.
 const LITTLE_PERCENT: f64 = 20.0;
 
 /// "Linear": time goes with points to a power of at most this.
@@ -116,7 +116,8 @@ fn better(results: &Results, edge: usize, region: usize) -> Claim {
     }
 }
 
-/// What edges alone cost, what noise does to the input of both methods, and how much of the scan each then gives up.
+/// What edges alone cost, what noise does to the input of both methods, and how much of the scan
+/// each then gives up.
 fn rim_and_noise(results: &Results, edge: usize, region: usize) -> String {
     let rims = results.rims.iter().map(|rim| format!("{:.0} % for a rim of {} px", rim.correct_percent, rim.width_px));
     let errors = results.sample.bearings.iter().filter(|error| error.noise_mm > 0).map(|error| {
@@ -179,7 +180,7 @@ fn under(results: &Results, methods: &[usize]) -> Claim {
     let (mut cases, mut found, mut little) = (vec![], vec![], vec![]);
     for &method in methods {
         for &mm in &results.noises_mm {
-            let most = |of: fn(&super::Counts) -> usize| {
+            let most = |of: fn(&Counts) -> usize| {
                 let percent = TOLERANCES.map(|p| results.counts(method, mm, p)).map(|c| c.percent(of(&c)));
                 percent.fold(0.0, f64::max)
             };
@@ -257,68 +258,10 @@ fn power(points: &[(f64, f64)]) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::super::cost::Cost;
-    use super::super::rim::Rim;
-    use super::super::sample::{BearingError, Sample};
-    use super::super::{Counts, Run};
+mod tests {
     use super::*;
-    use crate::format::{Angles, Geometry, Kind, RangeImage, TurnAxis};
-    use crate::office::Set;
-
-    /// Results over two scenes of 20 truth regions and levels of noise of 0 and 5 mm. `correct[method][noise]`
-    /// are the correct detections in each scene at T below 0.6; every further 0.1 takes one. Over- and
-    /// under-segmentation: one instance in scene 0. Cost: 10 ns for edge-based, 30 ns for region-based.
-    pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
-        let mut runs = vec![];
-        for (method, by_noise) in correct.iter().enumerate() {
-            for (&noise_mm, &correct) in [0, 5].iter().zip(by_noise) {
-                for scene in 0..2 {
-                    let counts = |percent: u32| {
-                        let correct = correct.saturating_sub(percent as usize / 10 - 5);
-                        let (over_segmented, under_segmented) = (usize::from(scene == 0), usize::from(scene == 0));
-                        let missed = 20 - correct - over_segmented - 2 * under_segmented;
-                        let segments = 3 + correct + 2 * over_segmented + under_segmented;
-                        let truth_regions = 20;
-                        Counts { truth_regions, segments, correct, over_segmented, under_segmented, missed, noise: 3 }
-                    };
-                    let at = TOLERANCES.map(counts).collect();
-                    runs.push(Run { method, noise_mm, scene, returns: 1000, in_segments: 750, at });
-                }
-            }
-        }
-        let costs = (0..2).flat_map(|method| {
-            let cost = move |n: usize| Cost { method, rows: n, columns: 100, ns_per_point: [10.0, 30.0][method] };
-            [100, 1000, 10_000].map(cost)
-        });
-        let even = Angles::Even { start: 0.0, step: 1.0 };
-        let geometry = Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: None,
-            max_range_m: None,
-            range_noise_m: None,
-            kind: Kind::Nodding { beam_deg: even.clone(), turn_deg: even, turn_axis: TurnAxis::Y },
-        };
-        let sample = Sample {
-            scene: 0,
-            scan: RangeImage { rows: 2, columns: 3, range_m: vec![1.0, 2.0, 3.0, 4.0, 5.0, 0.0] },
-            geometry,
-            truth: vec![1, 1, 2, 2, 2, 0],
-            numbers: vec![vec![vec![1, 1, 0, 2, 2, 0]; 2]; 2],
-            bearings: [0, 5].map(|mm| BearingError { noise_mm: mm, median_deg: 8.5, beyond_roof_percent: 21.0 }).into(),
-        };
-        Results {
-            set: Set::Tuning,
-            scenes: 2,
-            methods: vec![EDGE, REGION],
-            noises_mm: vec![0, 5],
-            runs,
-            sample,
-            rims: vec![Rim { width_px: 1, correct_percent: 61.0 }],
-            costs: costs.collect(),
-        }
-    }
+    use crate::experiment::cost::Cost;
+    use crate::experiment::made_up::made_up;
 
     fn verdicts(results: &Results) -> [Verdict; 4] {
         claims(results).iter().map(|claim| claim.verdict).collect::<Vec<_>>().try_into().unwrap()

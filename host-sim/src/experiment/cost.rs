@@ -2,7 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use super::{METHODS, in_parallel, scan};
+use crate::experiment::method::METHODS;
+use crate::experiment::parallel::in_parallel;
+use crate::experiment::scans::scan;
 use crate::office::Set;
 use crate::timing::Timing;
 
@@ -19,7 +21,7 @@ pub(super) const STEPS: usize = SIZES.len();
 /// The time that a method takes for a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
-    /// Which of [`super::Results::methods`].
+    /// Which of [`METHODS`].
     pub method: usize,
     /// Rows of the scan.
     pub rows: usize,
@@ -36,8 +38,8 @@ impl Cost {
     }
 }
 
-/// The costs of all methods, by method, then size. The noise falls with the distance of the points, of which it is 3 %
-/// at 4 m, so that scans of every size show about the same number of segments.
+/// The costs of all methods, by method, then size. The noise falls with the distance of the points,
+/// of which it is 3 % at 4 m, so that scans of every size show about the same number of segments.
 pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
     let scans = in_parallel(SIZES.len(), |i| {
         let range_noise_m = range_noise_m(SIZES[i]);
@@ -49,7 +51,7 @@ pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
         for (i, method) in METHODS.iter().enumerate() {
             let config = (method.config)(*range_noise_m);
             let rounds = (4_000_000 / scan.range_m.len()).clamp(*ROUNDS.start(), *ROUNDS.end());
-            let timing = Timing::of(scan, geometry, method.approach, &config, None, rounds);
+            let timing = Timing::of(scan, geometry, config, None, rounds);
             let ns_per_point = timing.expect("a simulated scan fits").median_ns();
             costs.push(Cost { method: i, rows: scan.rows, columns: scan.columns, ns_per_point });
         }

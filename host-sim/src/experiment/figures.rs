@@ -1,7 +1,9 @@
 //! The figures of the paper from the results, numbered as there; and one of the cost.
 
-use super::chart::{Axis, Chart, Curve, Row, Scale, Svg};
-use super::{Counts, Results, TOLERANCES};
+use crate::experiment::chart::{Axis, Chart, Curve, Row, Scale, Svg};
+use crate::experiment::counts::Counts;
+use crate::experiment::method::TOLERANCES;
+use crate::experiment::results::Results;
 use crate::overview::{NO_RETURN, View, range_title, usual_ranges_m};
 use crate::picture::{Picture, label_colour, range_colour};
 

@@ -1,10 +1,12 @@
 //! The files of an experiment: figures, tables, and a page that shows them all.
 
-use super::chart::{escaped, png};
-use super::claims::{Claim, Verdict, claims};
-use super::figures::{Figure, figures};
-use super::tables::{self, TABLE_TOLERANCES, Table};
-use super::{EDGE, MIN_PIXELS, REGION, Results, SIZE, cost};
+use crate::experiment::chart::{escaped, png};
+use crate::experiment::claims::{Claim, Verdict, claims};
+use crate::experiment::cost;
+use crate::experiment::figures::{Figure, figures};
+use crate::experiment::method::{EDGE, MIN_PIXELS, REGION, SIZE};
+use crate::experiment::results::Results;
+use crate::experiment::tables::{self, TABLE_TOLERANCES, Table};
 use crate::office::Set;
 
 /// Everything to write, by file name.
@@ -92,7 +94,8 @@ fn what(results: &Results) -> String {
         "<p>{} scenes of the {set} set of the simulated office ({sort}), with {regions} truth regions of {MIN_PIXELS} \
          pixels or more; smaller regions and segments do not count. The scanner nods: {rows} rows of {columns} beams, 0.5 \
          degrees apart both ways. Its ranges have normal noise of {} mm (one standard deviation).</p>\n\
-         <p>Methods: {}. The paper’s two, {EDGE} and {REGION}, have the settings of <code>Config::paper()</code>, with \
+         <p>Methods: {}. The paper’s two, {EDGE} and {REGION}, have the settings of <code>EdgeConfig::paper()</code> and \
+         <code>RegionConfig::paper()</code>, with \
          <code>range_noise_m</code> that of the scanner, at least 1 mm.</p>\n\
          <p>Classes are those of Hoover et al. (1996): a segment is a correct detection of a truth region if they share the \
          part T or more of both. Cost: median of {} to {} rounds of the core alone on one processor core, from ranges in memory to labels \
@@ -144,8 +147,8 @@ fn judged(claim: &Claim) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::claims::tests::made_up;
     use super::*;
+    use crate::experiment::made_up::made_up;
 
     #[test]
     fn the_page_is_whole_and_its_links_lead_to_files() {

@@ -1,6 +1,8 @@
 //! The most that a method can reach whose edge pixels belong to nobody.
 
-use super::{MIN_PIXELS, SIZE, in_parallel, scan};
+use crate::experiment::method::{MIN_PIXELS, SIZE};
+use crate::experiment::parallel::in_parallel;
+use crate::experiment::scans::scan;
 use crate::hoover::evaluate;
 use crate::office::Set;
 
@@ -13,7 +15,8 @@ pub struct Rim {
     pub correct_percent: f64,
 }
 
-/// Rims of one and of two pixels in the first `scenes` scenes of a set, at a tolerance of [`super::TOLERANCES`].
+/// Rims of one and of two pixels in the first `scenes` scenes of a set, at a tolerance of
+/// [`crate::experiment::TOLERANCES`].
 pub fn rims(set: Set, scenes: u32, tolerance_percent: u32) -> Vec<Rim> {
     let rim = |width_px| {
         let counts = in_parallel(scenes as usize, |number| {
@@ -29,7 +32,8 @@ pub fn rims(set: Set, scenes: u32, tolerance_percent: u32) -> Vec<Rim> {
     vec![rim(1), rim(2)]
 }
 
-/// The regions without those of their pixels that have another region (not 0) within `width` pixels, diagonally too.
+/// The regions without those of their pixels that have another region (not 0) within `width`
+/// pixels, diagonally too.
 fn without_rim(truth: &[u16], columns: usize, width: usize) -> Vec<u16> {
     let rows = truth.len() / columns;
     let near = |at: usize, end: usize| at.saturating_sub(width)..(at + width + 1).min(end);

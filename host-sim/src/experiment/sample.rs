@@ -1,11 +1,12 @@
 //! The scene of Fig. 6, and what noise does to its bearing angles.
 
-use scanseg_core::{COUNTS_PER_RAD, Config, Trace};
+use scanseg_core::{COUNTS_PER_RAD, EdgeConfig, Trace};
 
-use super::{METHODS, MIN_PIXELS, NOISES_MM, SIZE, scan};
-use crate::format::{Geometry, RangeImage};
+use crate::experiment::method::{METHODS, MIN_PIXELS, NOISES_MM, SIZE};
+use crate::experiment::scans::scan;
 use crate::office::Set;
 use crate::segmentation::{Segmentation, bearing_image};
+use scanseg_formats::{Geometry, RangeImage};
 
 /// The scene of its set.
 const SCENE: u32 = 0;
@@ -48,7 +49,7 @@ impl Sample {
             let (noisy, _, noisy_geometry) = scan(set, SCENE, SIZE, f64::from(noise_mm) / 1e3);
             for (method, numbers) in METHODS.iter().zip(&mut numbers) {
                 let config = (method.config)(noise_mm as f32 / 1e3);
-                let done = Segmentation::of(&noisy, &noisy_geometry, method.approach, &config, None, || {});
+                let done = Segmentation::of(&noisy, &noisy_geometry, config, None, || {});
                 numbers.push(done.expect("a simulated scan fits").numbers(MIN_PIXELS));
             }
             bearings.push(bearing_error(&ideal, &noisy, &geometry, noise_mm));
@@ -58,8 +59,8 @@ impl Sample {
 }
 
 fn bearing_error(ideal: &RangeImage, noisy: &RangeImage, geometry: &Geometry, noise_mm: u32) -> BearingError {
-    let config = Config::paper();
-    let bearings = |scan| bearing_image(scan, geometry, &config, Trace::ROW).expect("a simulated scan fits");
+    let config = EdgeConfig::paper();
+    let bearings = |scan| bearing_image(scan, geometry, &config.ranging, Trace::ROW).expect("a simulated scan fits");
     let (ideal, noisy) = (bearings(ideal), bearings(noisy));
     let pairs = ideal.iter().zip(&noisy).filter(|(a, b)| **a > 0 && **b > 0);
     let mut errors_rad: Vec<f32> = pairs.map(|(a, b)| f32::from(a.abs_diff(*b)) / COUNTS_PER_RAD).collect();

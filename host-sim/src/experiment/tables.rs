@@ -1,7 +1,10 @@
 //! The results as tables: for people (Markdown, HTML) and for programs (CSV).
 
-use super::chart::escaped;
-use super::{Counts, Results, Run, TOLERANCES};
+use crate::experiment::chart::escaped;
+use crate::experiment::counts::Counts;
+use crate::experiment::method::TOLERANCES;
+use crate::experiment::results::Results;
+use crate::experiment::runs::Run;
 
 /// The tolerances of the tables, percent.
 pub const TABLE_TOLERANCES: [u32; 2] = [80, 90];
@@ -55,7 +58,8 @@ impl Table {
         )
     }
 
-    /// As comma-separated values; names are in lower case, with underscores. No cell may hold a comma.
+    /// As comma-separated values; names are in lower case, with underscores. No cell may hold a
+    /// comma.
     pub fn csv(&self) -> String {
         let head: Vec<_> = self.head.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
         [&head].into_iter().chain(&self.lines).map(|line| line.join(",") + "\n").collect()
@@ -70,7 +74,8 @@ fn cells(c: &Counts) -> [String; 7] {
         .map(|n| n.to_string())
 }
 
-/// The classes at one tolerance of [`TOLERANCES`], all scenes together: a line for each level of noise and method.
+/// The classes at one tolerance of [`TOLERANCES`], all scenes together: a line for each level of
+/// noise and method.
 pub fn classes(results: &Results, tolerance_percent: u32) -> Table {
     let line = |mm: u32, method: usize| {
         let counts = results.counts(method, mm, tolerance_percent);
@@ -82,8 +87,8 @@ pub fn classes(results: &Results, tolerance_percent: u32) -> Table {
     Table::new(&head, 2, lines)
 }
 
-/// Correct detections in each scene at one tolerance of [`TOLERANCES`]: a line for each scene, a column for each method
-/// and level of noise.
+/// Correct detections in each scene at one tolerance of [`TOLERANCES`]: a line for each scene, a
+/// column for each method and level of noise.
 pub fn scenes(results: &Results, tolerance_percent: u32) -> Table {
     let at = (tolerance_percent - TOLERANCES.start()) as usize;
     let mut head = vec!["scene".to_string(), "truth regions".to_string()];
@@ -100,7 +105,8 @@ pub fn scenes(results: &Results, tolerance_percent: u32) -> Table {
     Table { head, numbers: 1, lines: lines.collect() }
 }
 
-/// The classes at the tolerances of the tables: a line for each scene, level of noise, method and tolerance.
+/// The classes at the tolerances of the tables: a line for each scene, level of noise, method and
+/// tolerance.
 pub fn all_scenes(results: &Results) -> Table {
     let head = [&["scene", "noise mm", "method", "tolerance"][..], &COUNTED].concat();
     let lines = results.runs.iter().flat_map(|run| {
@@ -144,8 +150,8 @@ fn tolerance(percent: u32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::claims::tests::made_up;
     use super::*;
+    use crate::experiment::made_up::made_up;
 
     #[test]
     fn tables_of_hand_made_results() {

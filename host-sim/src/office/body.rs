@@ -21,7 +21,8 @@ const RIM_M: f64 = 1e-9;
 /// One surface of a body. Each is seen from its outer side only.
 #[derive(Clone, Debug)]
 pub(super) enum Surface {
-    /// The points corner + a u + b v with a in 0..width and b in 0..height, outside the holes; outer side u x v.
+    /// The points corner + a u + b v with a in 0..width and b in 0..height, outside the holes;
+    /// outer side u x v.
     Rectangle {
         corner: Vector,
         u: Vector,
@@ -205,7 +206,8 @@ impl Builder {
         self.leaning_block(place, centre, size, 0.0);
     }
 
-    /// A block leaning back: turned about the local y axis through its centre so that its top moves towards -x.
+    /// A block leaning back: turned about the local y axis through its centre so that its top moves
+    /// towards -x.
     pub fn leaning_block(&mut self, place: &Place, centre: Vector, size: Vector, lean_deg: f64) {
         let (s, c) = (libm::sin(lean_deg.to_radians()), libm::cos(lean_deg.to_radians()));
         let axes = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]].map(|axis| place.direction(axis));
@@ -308,7 +310,8 @@ mod tests {
             holes.push([1.0, 1.0, 2.0, 2.0]);
         }
         let body = Body::new(1, vec![wall]);
-        // Seen from the origin, local y (left of the wall's own heading) runs to -y: the hole is at y in 0..1.
+        // Seen from the origin, local y (left of the wall's own heading) runs to -y: the hole is at
+        // y in 0..1.
         assert_eq!(body.hit([0.0, 0.5, 1.5], [1.0, 0.0, 0.0], 9.0), None);
         assert!(body.hit([0.0, -0.5, 1.5], [1.0, 0.0, 0.0], 9.0).is_some());
         assert!(body.hit([0.0, 0.5, 0.5], [1.0, 0.0, 0.0], 9.0).is_some());

@@ -1,15 +1,14 @@
-//! What stands in an office. Each piece has its origin on the floor at the middle of its back, local x to its front,
-//! unless said otherwise; lengths are metres.
+//! What stands in an office. Each piece has its origin on the floor at the middle of its back,
+//! local x to its front, unless said otherwise; lengths are metres.
 
-use super::{
-    body::{Builder, Place, Vector},
-    rng::Rng,
-};
+use crate::office::body::{Builder, Place, Vector};
+use crate::office::rng::Rng;
 
 /// Height of table tops.
 const TABLE_M: f64 = 0.73;
 
-/// A desk of the given depth, width and height with side and back panels, perhaps a drawer unit, a monitor and papers.
+/// A desk of the given depth, width and height with side and back panels, perhaps a drawer unit, a
+/// monitor and papers.
 pub(super) fn desk(b: &mut Builder, place: &Place, [depth, width, h]: Vector, rng: &mut Rng) {
     b.block(place, [depth / 2.0, 0.0, h - 0.0125], [depth, width, 0.025]);
     for side in [-1.0, 1.0] {

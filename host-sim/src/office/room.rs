@@ -1,9 +1,7 @@
 //! The room itself, and finding free spots in it.
 
-use super::{
-    body::{Builder, Place, Surface, Vector, rectangle},
-    rng::Rng,
-};
+use crate::office::body::{Builder, Place, Surface, Vector, rectangle};
+use crate::office::rng::Rng;
 
 const X: Vector = [1.0, 0.0, 0.0];
 const Y: Vector = [0.0, 1.0, 0.0];
@@ -21,10 +19,11 @@ struct Opening {
     top: f64,
 }
 
-/// A room under construction: x in 0..length, y in 0..width, the floor at z = 0. The scanner's own spot is taken.
+/// A room under construction: x in 0..length, y in 0..width, the floor at z = 0. The scanner's own
+/// spot is taken.
 ///
-/// Walls count 0 to 3: at x = 0, at y = 0, at x = length, at y = width. In a wall's terms x points into the room and
-/// y runs along it from its middle.
+/// Walls count 0 to 3: at x = 0, at y = 0, at x = length, at y = width. In a wall's terms x points
+/// into the room and y runs along it from its middle.
 #[derive(Clone, Debug)]
 pub(super) struct Room {
     pub length: f64,
@@ -55,8 +54,9 @@ impl Room {
         }
     }
 
-    /// Takes the floor under a rectangle in the terms of `place` (back, right, front, left); false where that is not
-    /// free or outside the room. Beside walls the rectangle's axes are the room's; otherwise a box around it counts.
+    /// Takes the floor under a rectangle in the terms of `place` (back, right, front, left); false
+    /// where that is not free or outside the room. Beside walls the rectangle's axes are the
+    /// room's; otherwise a box around it counts.
     fn take(&mut self, place: &Place, [x0, y0, x1, y1]: [f64; 4]) -> bool {
         let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(|[x, y]| place.point([x, y, 0.0]));
         let of = |i: usize, pick: fn(f64, f64) -> f64| corners.iter().map(|c| c[i]).reduce(pick).unwrap_or(0.0);
@@ -72,8 +72,8 @@ impl Room {
         free
     }
 
-    /// A free spot with its back at a wall, for something of this depth and width; what is taller than a window's
-    /// sill does not stand before the window.
+    /// A free spot with its back at a wall, for something of this depth and width; what is taller
+    /// than a window's sill does not stand before the window.
     pub fn at_wall(&mut self, wall: usize, [depth, width, height]: Vector) -> Option<Place> {
         let (place, length) = self.wall(wall);
         for _ in 0..16 {
@@ -93,8 +93,8 @@ impl Room {
         (0..3).find_map(|i| self.at_wall(1 + (first + i) % 3, size)).or_else(|| self.at_wall(0, size))
     }
 
-    /// A free spot away from the walls and from the scanner, turned up to `turn_deg` either way from one of the room's
-    /// four directions.
+    /// A free spot away from the walls and from the scanner, turned up to `turn_deg` either way
+    /// from one of the room's four directions.
     pub fn in_the_open(&mut self, [depth, width]: [f64; 2], turn_deg: f64) -> Option<Place> {
         for _ in 0..24 {
             let (x, y) = (self.rng.between(0.5, self.length - 0.5), self.rng.between(0.5, self.width - 0.5));
@@ -109,7 +109,8 @@ impl Room {
         None
     }
 
-    /// Takes the floor around the middle of something of this depth and width; false where it is not free.
+    /// Takes the floor around the middle of something of this depth and width; false where it is
+    /// not free.
     pub fn claim(&mut self, place: &Place, [depth, width]: [f64; 2]) -> bool {
         self.take(place, [-depth / 2.0, -width / 2.0, depth / 2.0, width / 2.0])
     }
@@ -201,8 +202,8 @@ impl Room {
     }
 }
 
-/// A door frame around an opening of this half width and height: it stands 2 cm out of the wall and narrows the opening
-/// by 2 cm. Its front is one face.
+/// A door frame around an opening of this half width and height: it stands 2 cm out of the wall and
+/// narrows the opening by 2 cm. Its front is one face.
 fn frame(b: &mut Builder, door: &Place, half: f64, top: f64) {
     let (thick, out, outer_top, inner, inner_top) = (0.02, half + 0.06, top + 0.06, half - 0.02, top - 0.02);
     let mut front = rectangle(door, [thick, -out, 0.0], Y, Z, [2.0 * out, outer_top]);

@@ -1,8 +1,11 @@
 //! The simulated scanner: where its beams point, and what it gets wrong.
 
-use super::{Scene, rng::Rng};
-use crate::format::geometry::{Angles, Depth, Geometry, Kind, TurnAxis};
 use std::{error, fmt};
+
+use scanseg_formats::{Angles, Depth, Geometry, Kind, TurnAxis};
+
+use crate::office::rng::Rng;
+use crate::office::scene::Scene;
 
 /// Metres per count of a scan whose ranges are not quantised: 65535 counts reach 16 m.
 const UNIT_M: f64 = 0.000_25;
@@ -10,8 +13,8 @@ const UNIT_M: f64 = 0.000_25;
 /// Neighbouring beams on different surfaces are at a depth edge from this difference of range on.
 const DEPTH_EDGE_M: f64 = 0.1;
 
-/// A scanner and its errors. The constructors give one without errors; each error is 0 for none, and is drawn from a
-/// stream of its own, so that switching one on leaves the others as they were.
+/// A scanner and its errors. The constructors give one without errors; each error is 0 for none,
+/// and is drawn from a stream of its own, so that switching one on leaves the others as they were.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
     /// Rows; the angles of `kind` must cover them.
@@ -26,17 +29,18 @@ pub struct Sensor {
     pub quantisation_m: f64,
     /// Probability that a beam returns nothing, 0 to 1.
     pub drop_out: f64,
-    /// Probability, 0 to 1, that a beam next to a depth edge (one of its four neighbours is on another surface and
-    /// 0.1 m or more nearer or farther) returns a range uniformly between the two. Its truth stays the surface it
-    /// points at.
+    /// Probability, 0 to 1, that a beam next to a depth edge (one of its four neighbours is on
+    /// another surface and 0.1 m or more nearer or farther) returns a range uniformly between the
+    /// two. Its truth stays the surface it points at.
     pub mixed_pixels: f64,
     /// Returns farther than this are lost, metres, above 0. Infinite for no limit.
     pub max_range_m: f64,
-    /// Standard deviation of each row's turn angle about the even one, degrees, 0 or more; the geometry reports it
-    /// truly. Nodding scanners only.
+    /// Standard deviation of each row's turn angle about the even one, degrees, 0 or more; the
+    /// geometry reports it truly. Nodding scanners only.
     pub turn_uneven_deg: f64,
-    /// Standard deviation of the turn angle's misreporting, degrees, 0 or more: a servo's seams. Every 25 rows or so
-    /// the true angle jumps to a new difference from the one in the geometry. Nodding scanners only.
+    /// Standard deviation of the turn angle's misreporting, degrees, 0 or more: a servo's seams.
+    /// Every 25 rows or so the true angle jumps to a new difference from the one in the geometry.
+    /// Nodding scanners only.
     pub turn_misreported_deg: f64,
 }
 
@@ -56,8 +60,9 @@ impl Sensor {
         }
     }
 
-    /// The paper's set-up: a 2D scanner that nods. Columns go from -90 (right) to +90 degrees (left) inclusive; rows
-    /// turn through 100 degrees, from 50 up downwards. 200 rows x 361 columns make steps of 0.5 degrees.
+    /// The paper's set-up: a 2D scanner that nods. Columns go from -90 (right) to +90 degrees
+    /// (left) inclusive; rows turn through 100 degrees, from 50 up downwards. 200 rows x 361
+    /// columns make steps of 0.5 degrees.
     pub fn nodding(rows: usize, columns: usize) -> Self {
         let kind = Kind::Nodding {
             beam_deg: Angles::Even { start: -90.0, step: 180.0 / columns.saturating_sub(1).max(1) as f64 },
@@ -67,8 +72,8 @@ impl Sensor {
         Self::ideal(rows, columns, kind)
     }
 
-    /// A spinning scanner: columns go once round from straight behind by the left, so that forward is in the middle;
-    /// rows go from 45 degrees up to 45 down.
+    /// A spinning scanner: columns go once round from straight behind by the left, so that forward
+    /// is in the middle; rows go from 45 degrees up to 45 down.
     pub fn spinning(rows: usize, columns: usize) -> Self {
         let kind = Kind::Spinning {
             azimuth_deg: Angles::Even { start: 180.0, step: -360.0 / columns.max(1) as f64 },
@@ -123,17 +128,19 @@ impl Sensor {
 
 /// A simulated range image, row by row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
+pub struct SimulatedScan {
     /// Rows.
     pub rows: usize,
     /// Columns.
     pub columns: usize,
     /// Range along the beam of each pixel, metres; 0 where nothing came back.
     pub range_m: Vec<f32>,
-    /// Id of the surface that the middle of each beam met, 0 where nothing came back. A flat face of a body has one id,
-    /// a curved side has one; parts of it that other things separate share it. Ids count from 1 with gaps.
+    /// Id of the surface that the middle of each beam met, 0 where nothing came back. A flat face
+    /// of a body has one id, a curved side has one; parts of it that other things separate share
+    /// it. Ids count from 1 with gaps.
     pub truth: Vec<u16>,
-    /// Where the beams point, as far as the scanner knows. Its unit is the quantisation, or 0.25 mm without one.
+    /// Where the beams point, as far as the scanner knows. Its unit is the quantisation, or 0.25 mm
+    /// without one.
     pub geometry: Geometry,
 }
 
@@ -168,9 +175,9 @@ impl fmt::Display for SensorError {
 impl error::Error for SensorError {}
 
 impl Scene {
-    /// Scans the scene. The same scene, sensor and seed give the same scan on every platform; another seed gives other
-    /// errors. Fails only where a field of the sensor is out of its range.
-    pub fn scan(&self, sensor: &Sensor, seed: u64) -> Result<Scan, SensorError> {
+    /// Scans the scene. The same scene, sensor and seed give the same scan on every platform;
+    /// another seed gives other errors. Fails only where a field of the sensor is out of its range.
+    pub fn scan(&self, sensor: &Sensor, seed: u64) -> Result<SimulatedScan, SensorError> {
         sensor.check()?;
         let stream = |error: u64| Rng::new([seed, (self.set as u64) << 32 | u64::from(self.number), error]);
         let (reported, pointed) = turned(sensor, &mut stream(1), &mut stream(2));
@@ -202,12 +209,12 @@ impl Scene {
             range_noise_m: (sensor.range_noise_m > 0.0).then_some(sensor.range_noise_m),
             kind: reported,
         };
-        Ok(Scan { rows: sensor.rows, columns: sensor.columns, range_m, truth, geometry })
+        Ok(SimulatedScan { rows: sensor.rows, columns: sensor.columns, range_m, truth, geometry })
     }
 
     /// Ranges and surface ids without errors of range; 0 where nothing comes back.
     fn ideal(&self, sensor: &Sensor, kind: &Kind) -> (Vec<f64>, Vec<u16>) {
-        let beams = Beams::new(kind, sensor.rows, sensor.columns);
+        let beams = Directions::new(kind, sensor.rows, sensor.columns);
         let pixels = (0..sensor.rows).flat_map(|row| (0..sensor.columns).map(move |column| (row, column)));
         pixels.map(|(row, column)| self.cast(beams.direction(row, column)).unwrap_or((0.0, 0))).unzip()
     }
@@ -238,7 +245,8 @@ fn turned(sensor: &Sensor, uneven: &mut Rng, misreported: &mut Rng) -> (Kind, Ki
     (reported, pointed)
 }
 
-/// The range beyond a depth edge beside pixel `i`: of the neighbours across one, that which differs most.
+/// The range beyond a depth edge beside pixel `i`: of the neighbours across one, that which differs
+/// most.
 fn across_edge(sensor: &Sensor, range_m: &[f64], truth: &[u16], i: usize) -> Option<f64> {
     let (row, column) = (i / sensor.columns, i % sensor.columns);
     let neighbours = [
@@ -256,22 +264,23 @@ fn across_edge(sensor: &Sensor, range_m: &[f64], truth: &[u16], i: usize) -> Opt
 /// (cos a, sin a) of an angle.
 type CosSin = (f64, f64);
 
-/// Beam directions by the formulas of [`Geometry::direction`], with sines that are the same on every platform.
-enum Beams {
+/// Beam directions by the formulas of [`Geometry::direction`], with sines that are the same on
+/// every platform.
+enum Directions {
     /// The angles of rows and columns, and which formula joins them.
     Angular { rows: Vec<CosSin>, columns: Vec<CosSin>, join: fn(CosSin, CosSin) -> [f64; 3] },
     /// Focal lengths and centre, along a row and along a column.
     Pinhole { f: [f64; 2], c: [f64; 2] },
 }
 
-impl Beams {
+impl Directions {
     fn new(kind: &Kind, rows: usize, columns: usize) -> Self {
         let table = |angles: &Angles, count: usize| {
             let radians = (0..count).map(|i| angles.at(i).to_radians());
             radians.map(|a| (libm::cos(a), libm::sin(a))).collect::<Vec<_>>()
         };
         match kind {
-            Kind::Nodding { beam_deg, turn_deg, turn_axis } => Beams::Angular {
+            Kind::Nodding { beam_deg, turn_deg, turn_axis } => Directions::Angular {
                 rows: table(turn_deg, rows),
                 columns: table(beam_deg, columns),
                 join: match turn_axis {
@@ -279,19 +288,19 @@ impl Beams {
                     TurnAxis::Z => |(ct, st), (cb, sb)| [cb * ct, cb * st, sb],
                 },
             },
-            Kind::Spinning { azimuth_deg, elevation_deg, .. } => Beams::Angular {
+            Kind::Spinning { azimuth_deg, elevation_deg, .. } => Directions::Angular {
                 rows: table(elevation_deg, rows),
                 columns: table(azimuth_deg, columns),
                 join: |(ce, se), (ca, sa)| [ce * ca, ce * sa, se],
             },
-            Kind::Pinhole { fx, fy, cx, cy, .. } => Beams::Pinhole { f: [*fx, *fy], c: [*cx, *cy] },
+            Kind::Pinhole { fx, fy, cx, cy, .. } => Directions::Pinhole { f: [*fx, *fy], c: [*cx, *cy] },
         }
     }
 
     fn direction(&self, row: usize, column: usize) -> [f64; 3] {
         match self {
-            Beams::Angular { rows, columns, join } => join(rows[row], columns[column]),
-            Beams::Pinhole { f, c } => {
+            Directions::Angular { rows, columns, join } => join(rows[row], columns[column]),
+            Directions::Pinhole { f, c } => {
                 let (u, v) = (-(column as f64 - c[0]) / f[0], -(row as f64 - c[1]) / f[1]);
                 let n = libm::sqrt(1.0 + u * u + v * v);
                 [1.0 / n, u / n, v / n]
@@ -303,6 +312,7 @@ impl Beams {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::office::Set;
 
     #[test]
     fn beams_point_where_the_geometry_says() {
@@ -311,8 +321,8 @@ mod tests {
             *turn_axis = TurnAxis::Z;
         }
         for sensor in [Sensor::nodding(20, 31), pan, Sensor::spinning(20, 31), Sensor::pinhole(20, 31)] {
-            let beams = Beams::new(&sensor.kind, 20, 31);
-            let geometry = Scene::numbered(super::super::Set::Tuning, 0).scan(&sensor, 0).unwrap().geometry;
+            let beams = Directions::new(&sensor.kind, 20, 31);
+            let geometry = Scene::numbered(Set::Tuning, 0).scan(&sensor, 0).unwrap().geometry;
             for (row, column) in (0..20).flat_map(|row| (0..31).map(move |column| (row, column))) {
                 let (ours, told) = (beams.direction(row, column), geometry.direction(row, column));
                 assert!((0..3).all(|k| (ours[k] - told[k]).abs() < 1e-14), "{ours:?} {told:?}");

@@ -3,7 +3,7 @@
 use crate::reference::beams::angle_between;
 use crate::reference::bearing::bearing_counts;
 use crate::stream::{Scan, reference_trace};
-use scanseg_core::{Config, MAX_ERROR_RAD, Trace};
+use scanseg_core::{MAX_ERROR_RAD, Ranging, Trace};
 use std::f64::consts::PI;
 
 /// The core has its coarse arc tangent.
@@ -19,10 +19,10 @@ pub const NEAR_RAD: f64 = 8.7e-4;
 /// rows `turn` apart have Phi = turn cos p; cos p comes from the addition theorem in f32 and errs by 1e-7, a
 /// rounding or two of numbers up to 1, which relative to Phi is 1e-7 turn / Phi. The bearing angle moves by half of that at
 /// most: d BA = sin BA cos BA d(sin Phi) / sin Phi. At 0.05 deg and more that is less than half a count.
-pub fn assert_same(scan: &Scan, config: &Config, trace: Trace, mut each: impl FnMut(f64, u16, f64)) {
+pub fn assert_same(scan: &Scan, ranging: &Ranging, trace: Trace, mut each: impl FnMut(f64, u16, f64)) {
     let (beams, size) = (scan.reference_beams(), scan.size());
-    let found = scan.counts(config, trace);
-    let expected = bearing_counts(&scan.image(config), &beams, reference_trace(trace));
+    let found = scan.counts(ranging, trace);
+    let expected = bearing_counts(&scan.image(ranging), &beams, reference_trace(trace));
     for (pixel, (found, expected)) in size.pixels().zip(found.into_iter().zip(expected)) {
         let previous = reference_trace(trace).previous(size, pixel);
         let phi = previous.map(|at| angle_between(beams.direction(pixel), beams.direction(at)));

@@ -5,20 +5,20 @@ use crate::reference::Segmentation;
 use crate::reference::planes::{self, Area};
 use crate::stream::{Record, Scan, class};
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
-use scanseg_core::{Config, POINT_UNIT_M, Pixel, Segment, live_labels};
+use scanseg_core::{EdgeConfig, POINT_UNIT_M, Pixel, Segment, live_labels};
 
 /// Compares everything, with a table of live labels that is never full. Gives the segments compared, those of them with
 /// a plane, and those whose covariance was compared.
-pub fn assert_same(scan: &Scan, config: &Config) -> [usize; 3] {
+pub fn assert_same(scan: &Scan, config: &EdgeConfig) -> [usize; 3] {
     let (record, expected) = assert_same_labels(scan, config);
     assert_segments(scan, config, &record, &expected)
 }
 
 /// Compares edges and labels, which do not depend on how well the beams are known.
-pub fn assert_same_labels(scan: &Scan, config: &Config) -> (Record, Segmentation) {
+pub fn assert_same_labels(scan: &Scan, config: &EdgeConfig) -> (Record, Segmentation) {
     let columns = scan.columns;
     let expected = scan.expected(config);
-    let record = scan.record(config, live_labels(columns));
+    let record = scan.record(*config, live_labels(columns));
     record.assert_order(scan.turn_rad.len());
     assert_eq!(Picture::bits(columns, &record.edges(columns)), Picture::bits(columns, &expected.edges));
     let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
@@ -35,11 +35,11 @@ pub fn assert_same_labels(scan: &Scan, config: &Config) -> (Record, Segmentation
 }
 
 /// The segments are the areas of the reference.
-fn assert_segments(scan: &Scan, config: &Config, record: &Record, expected: &Segmentation) -> [usize; 3] {
+fn assert_segments(scan: &Scan, config: &EdgeConfig, record: &Record, expected: &Segmentation) -> [usize; 3] {
     let labels = record.labels();
     let segments = record.segments();
     assert_eq!(segments.len(), expected.areas.len());
-    let (image, beams) = (scan.image(config), scan.reference_beams());
+    let (image, beams) = (scan.image(&config.ranging), scan.reference_beams());
     let mut compared = [segments.len(), 0, 0];
     for area in &expected.areas {
         let first = expected.labels.iter().position(|&label| label == area.label).unwrap();
@@ -125,10 +125,10 @@ fn assert_plane(segment: &Segment, area: &Area, points: &[Vector3<f64>]) -> (boo
 }
 
 /// With a table of any size: what is labelled is right, and what is not had no room.
-pub fn assert_consistent(scan: &Scan, config: &Config, areas: usize) -> usize {
+pub fn assert_consistent(scan: &Scan, config: &EdgeConfig, areas: usize) -> usize {
     let columns = scan.columns;
     let expected = scan.expected(config);
-    let record = scan.record(config, areas);
+    let record = scan.record(*config, areas);
     record.assert_order(scan.turn_rad.len());
     assert_eq!(record.edges(columns), expected.edges);
     let pixels = record.pixels();

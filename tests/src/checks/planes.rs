@@ -4,11 +4,11 @@ use crate::art::{Picture, canonical};
 use crate::reference::labels::Class;
 use crate::reference::surfaces::surfaces;
 use crate::stream::{Event, Record, Scan, class};
-use scanseg_core::{Config, Finished, Pixel, Segment, live_labels};
+use scanseg_core::{Finished, Pixel, PlaneConfig, Segment, live_labels};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every label of the end is one segment, which has its pixels and its bounds, and edges are what has no area.
-pub fn assert_adds_up(scan: &Scan, config: &Config, record: &Record) {
+pub fn assert_adds_up(scan: &Scan, config: &PlaneConfig, record: &Record) {
     let labels = record.labels();
     let mut bounds = BTreeMap::<u32, (u32, [usize; 4])>::new();
     for ((row, column), &label) in scan.size().pixels().zip(&labels).filter(|&(_, &label)| label != 0) {
@@ -27,21 +27,22 @@ pub fn assert_adds_up(scan: &Scan, config: &Config, record: &Record) {
     let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
     let edges: Vec<_> = classes.iter().map(|&class| class == Class::Edge).collect();
     assert_eq!(record.edges(scan.columns), edges);
-    let image = scan.image(config);
+    let image = scan.image(&config.ranging);
     for (pixel, class) in scan.size().pixels().zip(classes) {
         assert_eq!(class == Class::NoReturn, image.range(pixel).is_none(), "{pixel:?}");
     }
 }
 
 /// Compares the labels where no decision of the reference is in doubt. Gives whether it did.
-pub fn assert_same(scan: &Scan, config: &Config) -> bool {
+pub fn assert_same(scan: &Scan, config: &PlaneConfig) -> bool {
     let columns = scan.columns;
     let room = live_labels(columns);
-    let expected = surfaces(&scan.image(config), &scan.reference_beams(), config.range_noise_m.into(), room);
+    let expected =
+        surfaces(&scan.image(&config.ranging), &scan.reference_beams(), config.ranging.range_noise_m.into(), room);
     if expected.doubt.doubtful > 0 {
         return false;
     }
-    let record = scan.record_planes(config, room);
+    let record = scan.record(*config, room);
     let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
     let labels = canonical(&record.labels());
     assert_eq!(
@@ -55,8 +56,8 @@ pub fn assert_same(scan: &Scan, config: &Config) -> bool {
 
 /// With a table that is too small: pixels without a label are counted, all of a line or none, and only where the row
 /// has as many areas, or joins of them, as the table has room; everything else still adds up.
-pub fn assert_consistent(scan: &Scan, config: &Config, areas: usize) {
-    let record = scan.record_planes(config, areas);
+pub fn assert_consistent(scan: &Scan, config: &PlaneConfig, areas: usize) {
+    let record = scan.record(*config, areas);
     record.assert_order_of_planes(scan.turn_rad.len());
     assert_adds_up(scan, config, &record);
     let pixels = record.pixels();

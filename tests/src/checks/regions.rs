@@ -4,21 +4,21 @@ use crate::art::{Picture, canonical};
 use crate::reference::lines::Settings;
 use crate::reference::regions::{Regions, regions};
 use crate::stream::{Record, Scan, class};
-use scanseg_core::{Config, Finished, Pixel, live_labels};
+use scanseg_core::{Finished, Pixel, RegionConfig, live_labels};
 
-fn expected(scan: &Scan, config: &Config) -> Regions {
+fn expected(scan: &Scan, config: &RegionConfig) -> Regions {
     let settings = Settings {
         line_angle_rad: config.line_angle_rad.into(),
-        range_noise_m: config.range_noise_m.into(),
+        range_noise_m: config.ranging.range_noise_m.into(),
         plane_distance_m: config.plane_distance_m.into(),
     };
-    regions(&scan.image(config), &scan.reference_beams(), &settings)
+    regions(&scan.image(&config.ranging), &scan.reference_beams(), &settings)
 }
 
 /// Compares everything where no decision of the reference is in doubt. Gives whether it did.
-pub fn assert_same(scan: &Scan, config: &Config) -> bool {
+pub fn assert_same(scan: &Scan, config: &RegionConfig) -> bool {
     let columns = scan.columns;
-    let record = scan.record_regions(config, live_labels(columns));
+    let record = scan.record(*config, live_labels(columns));
     record.assert_order_of_regions(scan.turn_rad.len());
     assert_eq!(record.unlabelled(columns).iter().sum::<u32>(), 0, "pixels without a label");
     assert_counts(scan, &record);
@@ -60,11 +60,11 @@ pub fn assert_counts(scan: &Scan, record: &Record) {
 
 /// With a table that is too small: lines go without a label only where nothing that touches them has one that takes
 /// them, and everything that is told still adds up.
-pub fn assert_consistent(scan: &Scan, config: &Config, areas: usize) {
-    let record = scan.record_regions(config, areas);
+pub fn assert_consistent(scan: &Scan, config: &RegionConfig, areas: usize) {
+    let record = scan.record(*config, areas);
     record.assert_order_of_regions(scan.turn_rad.len());
     assert_counts(scan, &record);
-    let full = scan.record_regions(config, live_labels(scan.columns));
+    let full = scan.record(*config, live_labels(scan.columns));
     assert_eq!(record.edges(scan.columns), full.edges(scan.columns));
     let classes = |record: &Record| record.pixels().into_iter().map(class).collect::<Vec<_>>();
     assert_eq!(classes(&record), classes(&full));

@@ -1,9 +1,11 @@
 //! Scans and configurations of all kinds, as proptest strategies.
+#![allow(dead_code)] // each test uses some of it
 
 use proptest::prelude::*;
-use scanseg_core::{Config, Element, Trace};
+use scanseg_core::{EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};
 use scanseg_tests::scenes::scan_of;
 use scanseg_tests::stream::Scan;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Numbers of columns, those around multiples of the chunk of 32 among them.
 pub fn columns() -> impl Strategy<Value = usize> {
@@ -29,25 +31,46 @@ const TRACES: [&[Trace]; 8] = [
     &[R, R.times(2), R.times(3), R.times(4), C, C.times(2), C.times(3), C.times(4)],
 ];
 
+/// A standard deviation of ranges in `noises_m`, with and without limits that matter.
+fn rangings(noises_m: &'static [f32]) -> impl Strategy<Value = Ranging> {
+    let limits_m = prop::sample::select([(0.05f32, 100.0f32), (1.0, 5.0)].as_slice());
+    (prop::sample::select(noises_m), limits_m)
+        .prop_map(|(noise_m, (min_m, max_m))| Ranging::new(noise_m).with_limits(min_m, max_m))
+}
+
+/// Configurations of the plane approach, down to no noise.
+pub fn plane_configs() -> impl Strategy<Value = PlaneConfig> {
+    rangings(&[0.01, 0.0, 0.002, 0.3]).prop_map(PlaneConfig::new)
+}
+
 prop_compose! {
-    /// Configurations of all kinds.
-    pub fn configs()(
+    /// Configurations of the edge-based approach, of all kinds.
+    pub fn edge_configs()(
         traces in prop::sample::select(TRACES.as_slice()),
         square in any::<bool>(),
         roof_deg in prop::sample::select([20.0f32, 4.0, 60.0, 180.0].as_slice()),
         step_deg in prop::sample::select([6.0f32, 0.0, 30.0, 90.0].as_slice()),
-        range_noise_m in prop::sample::select([0.01f32, 0.0, 0.3].as_slice()),
-        limits in prop::sample::select([(0.05f32, 100.0f32), (1.0, 5.0)].as_slice()),
-    ) -> Config<'static> {
-        Config {
-            range_noise_m,
-            min_range_m: limits.0,
-            max_range_m: limits.1,
-            traces,
-            roof_angle_rad: roof_deg.to_radians().min(std::f32::consts::PI),
-            step_angle_rad: step_deg.to_radians().min(std::f32::consts::FRAC_PI_2),
-            closing: if square { Element::Square } else { Element::Plus },
-            ..Config::paper()
-        }
+        ranging in rangings(&[0.01, 0.0, 0.3]),
+    ) -> EdgeConfig<'static> {
+        EdgeConfig::paper()
+            .with_ranging(ranging)
+            .with_traces(traces)
+            .with_roof_angle_rad(roof_deg.to_radians().min(PI))
+            .with_step_angle_rad(step_deg.to_radians().min(FRAC_PI_2))
+            .with_closing(if square { Element::Square } else { Element::Plus })
+    }
+}
+
+prop_compose! {
+    /// Configurations of the region-based approach, of all kinds.
+    pub fn region_configs()(
+        line_deg in prop::sample::select([3.0f32, 10.0, 45.0, 90.0].as_slice()),
+        plane_distance_m in prop::sample::select([0.005f32, 0.0, 0.05, 1.0].as_slice()),
+        ranging in rangings(&[0.01, 0.0, 0.002, 0.3]),
+    ) -> RegionConfig {
+        RegionConfig::paper()
+            .with_ranging(ranging)
+            .with_line_angle_rad(line_deg.to_radians().min(FRAC_PI_2))
+            .with_plane_distance_m(plane_distance_m)
     }
 }

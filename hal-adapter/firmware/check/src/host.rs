@@ -6,13 +6,14 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-use scanseg_core::{EdgeSegmenter, PlaneSegmenter, RegionSegmenter};
+use scanseg_core::{AnyConfig, AnySegmenter, Approach};
+use scanseg_firmware::approach::{EDGE, PLANE, REGION};
 use scanseg_firmware::figures::Timed;
-use scanseg_firmware::run::{CONFIG, LineClock, Ports, limits, run};
+use scanseg_firmware::run::{LineClock, Ports, limits, run};
 use scanseg_hal::lms2xx::{Session, Settings};
-use scanseg_hal::rig::{Rig, RowSegmenter, beams};
+use scanseg_hal::rig::{Rig, beams};
 use scanseg_sim::segmentation::OwnedMemory;
-use scanseg_sim::virtual_rig::VirtualAs5048a;
+use scanseg_virtual_rig::VirtualAs5048a;
 
 use crate::Result;
 use crate::scene::Recording;
@@ -26,47 +27,17 @@ pub struct Expected {
     pub frames: Frames,
 }
 
-/// Which segmenter.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Approach {
-    Edge,
-    Region,
-    Plane,
-}
-
-impl Approach {
-    pub fn name(self) -> &'static str {
-        match self {
-            Approach::Edge => "edge-based",
-            Approach::Region => "region-based",
-            Approach::Plane => "default",
-        }
-    }
-
-    /// Of the image's name.
-    pub fn suffix(self) -> &'static str {
-        match self {
-            Approach::Edge => "",
-            Approach::Region => "-region",
-            Approach::Plane => "-plane",
-        }
-    }
-}
-
 /// Runs the chain on all that the scanner sends.
 pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labels: Option<usize>) -> Result<Expected> {
     let columns = usize::from(settings.variant.columns());
-    let mut memory = OwnedMemory::new(columns, &CONFIG, max_labels);
-    let (beams, memory) = (beams(settings.variant), memory.memory());
-    match approach {
-        Approach::Edge => chain(stream, settings, EdgeSegmenter::new(CONFIG, beams, columns, memory)?),
-        Approach::Region => chain(stream, settings, RegionSegmenter::new(CONFIG, beams, columns, memory)?),
-        Approach::Plane => chain(stream, settings, PlaneSegmenter::new(CONFIG, beams, columns, memory)?),
-    }
-}
-
-fn chain(stream: &[u8], settings: &Settings, segmenter: impl RowSegmenter) -> Result<Expected> {
-    let mut rows_m = vec![0.0; 2 * usize::from(settings.variant.columns())];
+    let config: AnyConfig = match approach {
+        Approach::Plane => PLANE.into(),
+        Approach::Edge => EDGE.into(),
+        Approach::Region => REGION.into(),
+    };
+    let mut memory = OwnedMemory::new(config.sizes(columns), max_labels);
+    let segmenter = AnySegmenter::new(config, beams(settings.variant), columns, memory.memory())?;
+    let mut rows_m = vec![0.0; 2 * columns];
     let mut rig = Rig::new(*settings, limits(settings), Timed(segmenter), &mut rows_m)?;
     let mut session = Session::listening(*settings);
     let clock = Rc::new(RefCell::new(LineClock::new(settings)));

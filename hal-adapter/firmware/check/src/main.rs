@@ -1,7 +1,9 @@
-//! `firmware-check IMAGES`: runs the images of the folder `IMAGES` in QEMU with a recorded scan, compares what they send,
-//! byte for byte, with the same chain on this host, and prints their figures. For each machine there is one image as it is
-//! and one with the feature `figures`, named NAME and NAME-figures. Fails where anything differs or passes a ceiling.
+//! `firmware-check IMAGES`: runs the images of the folder `IMAGES` in QEMU with a recorded scan,
+//! compares what they send, byte for byte, with the same chain on this host, and prints their
+//! figures. For each machine there is one image as it is and one with the feature `figures`, named
+//! NAME and NAME-figures. Fails where anything differs or passes a ceiling.
 
+mod figures;
 mod host;
 mod image;
 mod qemu;
@@ -10,17 +12,24 @@ mod scene;
 use std::path::Path;
 use std::process::ExitCode;
 
-use scanseg_firmware::figures::{COUNT, EMPTY_WAITS, MAGIC};
+use scanseg_core::Approach;
+use scanseg_firmware::figures::COUNT;
 use scanseg_firmware::run::{MICROBIT, MICROBIT_AREAS, MPS2};
-use scanseg_hal::link::{Decoder, Message, Received};
 use scanseg_hal::lms2xx::Settings;
 
-use host::Approach;
+use figures::{Figures, Summary};
 use image::Size;
 use qemu::Wiring;
 use scene::Recording;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// The approaches, their names here, and the suffixes of their images.
+const APPROACHES: [(Approach, &str, &str); 3] = [
+    (Approach::Edge, "edge-based", ""),
+    (Approach::Region, "region-based", "-region"),
+    (Approach::Plane, "default", "-plane"),
+];
 
 struct Machine {
     name: &'static str,
@@ -30,15 +39,16 @@ struct Machine {
     settings: Settings,
     max_labels: Option<usize>,
     tick_ns: f64,
-    /// Ceilings of the edge-based approach, of the region-based, and of the default.
+    /// Ceilings, in the order of [`APPROACHES`].
     most: [Most; 3],
 }
 
-/// What must not be passed: instructions per point up to the labels, bytes of flash, bytes of memory with the stack.
+/// What must not be passed: instructions per point up to the labels, bytes of flash, bytes of
+/// memory with the stack.
 struct Most(f64, u32, u32);
 
-/// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet (README.md): these keep what
-/// there is.
+/// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet
+/// (README.md): these keep what there is.
 const MPS2_MOST: [Most; 3] =
     [Most(560.0, 48 * 1024, 33_000), Most(1080.0, 52 * 1024, 33_000), Most(12_000.0, 64 * 1024, 33_000)];
 const MICROBIT_MOST: [Most; 3] =
@@ -76,9 +86,6 @@ const MACHINES: [Machine; 3] = [
         most: MICROBIT_MOST,
     },
 ];
-
-/// Time of an instruction, `-icount shift=6`.
-const INSTRUCTION_NS: f64 = 64.0;
 
 fn main() -> ExitCode {
     let Some(images) = std::env::args().nth(1) else {
@@ -118,45 +125,63 @@ fn check(images: &Path) -> Result<bool> {
         "all"
     );
     let mut good = true;
-    for approach in [Approach::Edge, Approach::Region, Approach::Plane] {
-        println!("{}", approach.name());
+    for (at, (approach, name, suffix)) in APPROACHES.into_iter().enumerate() {
+        println!("{name}");
         for machine in &MACHINES {
-            good &= machine.check(images, &recording, approach)?;
+            let image = format!("{}{suffix}", machine.image);
+            good &= match machine.run(images, &image, &recording, approach)? {
+                Some(measured) => machine.report(&measured, &machine.most[at]),
+                None => false,
+            };
         }
     }
     Ok(good)
 }
 
+/// What a machine needs for an image, and what the image has sent.
+struct Measured {
+    figures: Figures,
+    size: Size,
+    summary: Summary,
+    bytes: usize,
+}
+
 impl Machine {
-    fn check(&self, images: &Path, recording: &Recording, approach: Approach) -> Result<bool> {
+    /// Runs an image without and with figures. `None` if what it sends is not what the host sends;
+    /// says why.
+    fn run(&self, images: &Path, image: &str, recording: &Recording, approach: Approach) -> Result<Option<Measured>> {
         let stream = recording.stream(&self.settings);
         let expected = host::expected(&stream, &self.settings, approach, self.max_labels)?;
+        let bytes = expected.link.len();
         let summary = Summary::of(&expected.link);
         if summary.rows != recording.rows() || summary.planes < 10 {
             println!("{}: the chain on this host makes no sense: {summary:?}", self.name);
-            return Ok(false);
+            return Ok(None);
         }
-        let image = format!("{}{}", self.image, approach.suffix());
-        let plain = images.join(&image);
+        let plain = images.join(image);
         let run = |image: &Path, more: usize| {
-            let wanted = expected.link.len() + more;
-            qemu::run(self.name, self.wiring, image, &stream, expected.frames.clone(), wanted)
+            qemu::run(self.name, self.wiring, image, &stream, expected.frames.clone(), bytes + more)
         };
         let link = run(&plain, 0)?;
         let measured = run(&images.join(format!("{image}-figures")), 4 * (1 + COUNT))?;
-        let (measured, record) = measured.split_at(measured.len().min(expected.link.len()));
+        let (measured, record) = measured.split_at(measured.len().min(bytes));
         for (image, link) in [("image", &link[..]), ("image with figures", measured)] {
             if let Some(at) = difference(&expected.link, link) {
-                println!("{}, {image}: differs from the host at byte {at} of {}", self.name, expected.link.len());
-                return Ok(false);
+                println!("{}, {image}: differs from the host at byte {at} of {bytes}", self.name);
+                return Ok(None);
             }
         }
         let points = (recording.rows() * usize::from(self.settings.variant.columns())) as f64;
-        let Some(figures) = Figures::read(record, self.tick_ns, points, expected.link.len()) else {
+        let Some(figures) = Figures::read(record, self.tick_ns, points, bytes) else {
             println!("{}: no figures came", self.name);
-            return Ok(false);
+            return Ok(None);
         };
-        let size = Size::of(&plain)?;
+        Ok(Some(Measured { figures, size: Size::of(&plain)?, summary, bytes }))
+    }
+
+    /// Prints the figures. Returns whether they are within the ceilings.
+    fn report(&self, measured: &Measured, most: &Most) -> bool {
+        let Measured { figures, size, summary, bytes } = measured;
         let memory = size.memory() + figures.stack;
         println!(
             "{:<10} {:>7} | {:>18.0} {:>7.0} {:>9.0} | {:>6} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}",
@@ -173,8 +198,8 @@ impl Machine {
             figures.stack,
             memory
         );
-        println!("           {summary:?}, {} bytes equal", expected.link.len());
-        let Most(most, most_flash, most_memory) = self.most[approach as usize];
+        println!("           {summary:?}, {bytes} bytes equal");
+        let &Most(most, most_flash, most_memory) = most;
         let good = figures.labels <= most && size.flash() <= most_flash && memory <= most_memory;
         if !good {
             println!(
@@ -182,7 +207,7 @@ impl Machine {
                 self.core
             );
         }
-        Ok(good)
+        good
     }
 }
 
@@ -190,58 +215,4 @@ impl Machine {
 fn difference(expected: &[u8], got: &[u8]) -> Option<usize> {
     let same = expected.iter().zip(got).take_while(|(a, b)| a == b).count();
     (expected != got).then_some(same)
-}
-
-/// What was sent over the link.
-#[derive(Debug, Default)]
-struct Summary {
-    rows: usize,
-    segments: usize,
-    planes: usize,
-    unlabelled: u32,
-}
-
-impl Summary {
-    fn of(link: &[u8]) -> Self {
-        let mut summary = Self::default();
-        Decoder::new().feed(link, |received| match received {
-            Received::Message { message: Message::Segment(segment), .. } => {
-                summary.segments += 1;
-                summary.planes += usize::from(segment.plane.is_some());
-            }
-            Received::Message { message: Message::ScanFinished(scan), .. } => {
-                summary.rows = usize::from(scan.rows);
-                summary.unlabelled = scan.unlabelled;
-            }
-            _ => {}
-        });
-        summary
-    }
-}
-
-/// Instructions per point, bytes of stack.
-struct Figures {
-    /// From the byte that comes to the label.
-    labels: f64,
-    /// Of what is reported besides: planes, and frames for the host.
-    frames: f64,
-    /// Of the segmenter, within `labels`.
-    segmenter: f64,
-    stack: u32,
-}
-
-impl Figures {
-    /// `sent` is the number of bytes of frames: each was waited for once.
-    fn read(record: &[u8], tick_ns: f64, points: f64, sent: usize) -> Option<Self> {
-        let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _] = words[..] else { return None };
-        let without_waits = |ticks: u32, waits: f64| {
-            let ticks = f64::from(ticks) - waits * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);
-            ticks * tick_ns / INSTRUCTION_NS / points
-        };
-        let sent = sent as f64;
-        let (all, frames) = (without_waits(ticks, waits.into()), without_waits(in_sink, sent));
-        let segmenter = without_waits(in_segmenter, sent) - frames;
-        Some(Self { labels: all - frames, frames, segmenter, stack })
-    }
 }

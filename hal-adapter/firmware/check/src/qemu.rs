@@ -24,8 +24,9 @@ pub enum Wiring {
     Shared,
 }
 
-/// Runs an image: sends `stream` as the scanner and answers with `frames` as the encoder. Gives the first `wanted` bytes of
-/// the link, or those that came before the image fell silent or asked the encoder for something else.
+/// Runs an image: sends `stream` as the scanner and answers with `frames` as the encoder. Gives the
+/// first `wanted` bytes of the link, or those that came before the image fell silent or asked the
+/// encoder for something else.
 pub fn run(
     machine: &str,
     wiring: Wiring,

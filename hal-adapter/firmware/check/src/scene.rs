@@ -3,20 +3,22 @@
 use std::path::Path;
 
 use scanseg_firmware::run::{ASK_FOR_FIGURES, PIECE, ROW_RAD};
-use scanseg_hal::lms2xx::crc::check_word;
-use scanseg_hal::lms2xx::{SCAN, Settings};
-use scanseg_sim::format::{Angles, GreyImage, Kind};
+use scanseg_formats::{Angles, GreyImage, Kind};
+use scanseg_hal::lms2xx::{SCAN_LINE, Settings, Unit};
 use scanseg_sim::office::{Scene, Sensor, Set};
+use scanseg_virtual_rig::telegrams::{frame, scan_payload};
 
 use crate::Result;
 
-/// Telegrams' times of silence before the scan, for the tilt to be sampled, and after it, for the scan to end.
+/// Telegrams' times of silence before the scan, for the tilt to be sampled, and after it, for the
+/// scan to end.
 const LEAD: usize = 2;
 const TRAIL: usize = 8;
 /// Turn angle of the first row, radians.
 const FIRST_RAD: f32 = -48.70 / 180.0 * core::f32::consts::PI;
 
-/// Rows of value words as the scanner sends them, 0.5 degree apart; their codes for "no return" still in.
+/// Rows of value words as the scanner sends them, 0.5 degree apart; their codes for "no return"
+/// still in.
 pub struct Recording {
     pub name: &'static str,
     rows: Vec<Vec<u16>>,
@@ -55,7 +57,8 @@ impl Recording {
         self.rows.len()
     }
 
-    /// All that the scanner sends, for the variant set up: silence, the scan, silence, the request for the figures.
+    /// All that the scanner sends, for the variant set up: silence, the scan, silence, the request
+    /// for the figures.
     pub fn stream(&self, settings: &Settings) -> Vec<u8> {
         let columns = usize::from(settings.variant.columns());
         let every = 360 / (columns - 1);
@@ -80,15 +83,8 @@ impl Recording {
     }
 }
 
-/// The telegram of a complete scan in millimetres, by a scanner without complaints.
+/// The telegram of a complete scan line in millimetres, by a scanner without faults.
 fn telegram(words: &[u16]) -> Vec<u8> {
-    let mut bytes = vec![0x02, 0x80];
-    bytes.extend((2 * words.len() as u16 + 4).to_le_bytes());
-    bytes.push(SCAN);
-    bytes.extend((0x4000 | words.len() as u16).to_le_bytes());
-    bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
-    bytes.push(0x10);
-    let check = check_word(&bytes);
-    bytes.extend(check.to_le_bytes());
-    bytes
+    let millimetres = u16::from(Unit::Millimetre.code()) << 14;
+    frame(&scan_payload(&[SCAN_LINE], words.len() as u16 | millimetres, words, &[], 0x10))
 }

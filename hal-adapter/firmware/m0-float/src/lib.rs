@@ -1,9 +1,10 @@
-//! Single-precision addition, multiplication and comparison for a Cortex-M0: bit for bit what IEEE 754 says, in fewer
-//! instructions than the routines that come with the compiler.
+//! Single-precision addition, multiplication and comparison for a Cortex-M0: bit for bit what IEEE
+//! 754 says, in fewer instructions than the routines that come with the compiler.
 //!
-//! The M0 has no floating point and no multiplication with 64 bits of result, and most instructions of a segmentation go into
-//! these few routines. The compiler's multiply by way of 64-bit integers. Here the usual case, two normal numbers and a
-//! normal result, is done in 32 bits; zeros are looked after, and everything rarer is left to the compiler's routine.
+//! The M0 has no floating point and no multiplication with 64 bits of result, and most instructions
+//! of a segmentation go into these few routines. The compiler's multiply by way of 64-bit integers.
+//! Here the usual case, two normal numbers and a normal result, is done in 32 bits; zeros are
+//! looked after, and everything rarer is left to the compiler's routine.
 //!
 //! `use m0_float as _;` in a program puts them in place: the linker prefers them to the compiler's.
 #![cfg_attr(not(test), no_std)]
@@ -18,7 +19,8 @@ const IMPLICIT: u32 = 1 << 23;
 const FRACTION: u32 = IMPLICIT - 1;
 const INFINITY: u32 = 0xFF << 23;
 
-/// The product of two numbers, as bits; `None` where something is infinite, not a number or subnormal.
+/// The product of two numbers, as bits; `None` where something is infinite, not a number or
+/// subnormal.
 #[inline(always)]
 #[must_use]
 pub fn multiply(a: u32, b: u32) -> Option<u32> {
@@ -52,7 +54,8 @@ fn is_special(exponent: u32) -> bool {
     (exponent + 1) & 0xFE == 0
 }
 
-/// The sum of two numbers, as bits; `None` where something is infinite, not a number or subnormal, or both are zero.
+/// The sum of two numbers, as bits; `None` where something is infinite, not a number or subnormal,
+/// or both are zero.
 #[inline(always)]
 #[must_use]
 pub fn add(a: u32, b: u32) -> Option<u32> {
@@ -99,8 +102,8 @@ pub fn add(a: u32, b: u32) -> Option<u32> {
     Some(round((large & SIGN | ((exponent - 1) << 23)) + (sum >> 7), sum << 25))
 }
 
-/// Rounds a number, as bits, by `rest`, a binary fraction of its last bit. Carries into the exponent, up to infinity, as it
-/// must.
+/// Rounds a number, as bits, by `rest`, a binary fraction of its last bit. Carries into the
+/// exponent, up to infinity, as it must.
 #[inline(always)]
 fn round(number: u32, rest: u32) -> u32 {
     // to the nearest, ties to the even one
@@ -134,7 +137,8 @@ fn order(a: u32) -> i32 {
     if a & SIGN == 0 { magnitude } else { -magnitude }
 }
 
-/// Numbers to try the routines with, as bits: with few bits, at all exponents, next to each other, and any.
+/// Numbers to try the routines with, as bits: with few bits, at all exponents, next to each other,
+/// and any.
 pub fn numbers() -> impl FnMut() -> u32 {
     let mut state = 1u64;
     let mut last = 0;

@@ -10,9 +10,11 @@ unsafe extern "C" {
     safe fn __mulsf3(a: f32, b: f32) -> f32;
 }
 
-// SAFETY (all): these are the names, types and results that the ABI gives these routines; the compiler's are weak.
+// SAFETY (all): these are the names, types and results that the ABI gives these routines; the
+// compiler's are weak.
 
-// `multiply` by hand: the compiler keeps too few of its values in registers. Some 55 instructions instead of 72.
+// `multiply` by hand: the compiler keeps too few of its values in registers. Some 55 instructions
+// instead of 72.
 global_asm!(
     ".section .text.__aeabi_fmul, \"ax\", %progbits",
     ".global __aeabi_fmul",
@@ -104,7 +106,8 @@ extern "C" fn rare_product(a: f32, b: f32) -> f32 {
     multiply(a.to_bits(), b.to_bits()).map_or_else(|| __mulsf3(a, b), f32::from_bits)
 }
 
-/// Whether the routine in assembler multiplies as [`multiply`] does, tried on so many pairs of numbers.
+/// Whether the routine in assembler multiplies as [`multiply`] does, tried on so many pairs of
+/// numbers.
 pub fn multiplies(pairs: u32) -> bool {
     let mut number = super::numbers();
     (0..pairs).all(|_| {

@@ -1,5 +1,5 @@
-//! Image for the micro:bit (Cortex-M0, 16 KiB of RAM): 181 columns. Scanner, encoder and link share the UART, see
-//! [`scanseg_firmware::mux`].
+//! Image for the micro:bit (Cortex-M0, 16 KiB of RAM): 181 columns. Scanner, encoder and link share
+//! the UART, see [`scanseg_firmware::mux`].
 #![no_std]
 #![no_main]
 
@@ -7,16 +7,11 @@ use core::mem::MaybeUninit;
 
 #[cfg(not(feature = "figures"))]
 use m0_float as _;
-#[cfg(not(any(feature = "plane", feature = "region")))]
-use scanseg_core::EdgeSegmenter as Segmenter;
-#[cfg(feature = "plane")]
-use scanseg_core::PlaneSegmenter as Segmenter;
-#[cfg(all(feature = "region", not(feature = "plane")))]
-use scanseg_core::RegionSegmenter as Segmenter;
 use scanseg_core::buffers;
+use scanseg_firmware::approach::{CONFIG, ImageSegmenter};
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
-use scanseg_firmware::run::{CONFIG, MICROBIT, MICROBIT_AREAS, Ports, limits, run};
+use scanseg_firmware::run::{MICROBIT, MICROBIT_AREAS, Ports, limits, run};
 use scanseg_firmware::uart::nrf51::Uart;
 use scanseg_firmware::wire::SpiOver;
 use scanseg_hal::lms2xx::Session;
@@ -24,7 +19,8 @@ use scanseg_hal::rig::{Rig, beams};
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 
-/// Makes the session in the memory given. A static that begins with its values would lie in flash as well.
+/// Makes the session in the memory given. A static that begins with its values would lie in flash
+/// as well.
 // Not inlined: on its way there the session is on the stack, which is then free again.
 #[inline(never)]
 fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
@@ -48,7 +44,7 @@ fn main() -> ! {
     // SAFETY: this is an nRF51, and its UART is taken once.
     let uart = unsafe { Uart::new() };
     let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
-    let segmenter = Segmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
+    let segmenter = ImageSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
     if let Ok(segmenter) = segmenter
         && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
     {
@@ -61,7 +57,8 @@ fn main() -> ! {
 }
 
 /// The vectors of interrupts: there are none.
-// SAFETY: the section and the name are those that cortex-m-rt's linker script expects; no interrupt is ever enabled.
+// SAFETY: the section and the name are those that cortex-m-rt's linker script expects; no interrupt
+// is ever enabled.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [usize; 1] = [0];

@@ -45,8 +45,8 @@ mod machine {
     }
 }
 
-/// TIMER0 of the nRF51: 16 MHz. QEMU's loses count when it is stopped and started again, so it runs on, and is cleared at each
-/// start.
+/// TIMER0 of the nRF51: 16 MHz. QEMU's loses count when it is stopped and started again, so it runs
+/// on, and is cleared at each start.
 #[cfg(machine = "microbit")]
 mod machine {
     use super::Register;
@@ -127,7 +127,8 @@ pub fn send(mut link: impl Write) {
     }
 }
 
-/// Bytes of stack that have ever been written, and bytes there are. cortex-m-rt has painted them before the program began.
+/// Bytes of stack that have ever been written, and bytes there are. cortex-m-rt has painted them
+/// before the program began.
 fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;
@@ -135,7 +136,8 @@ fn stack() -> (u32, u32) {
     }
     let (low, high) = (&raw const _stack_end, &raw const _stack_start);
     let mut untouched = low;
-    // SAFETY: words of RAM between the two symbols of the linker script; the ones read here lie below all that is in use.
+    // SAFETY: words of RAM between the two symbols of the linker script; the ones read here lie
+    // below all that is in use.
     while untouched < high && unsafe { untouched.read_volatile() } == cortex_m_rt::STACK_PAINT_VALUE {
         untouched = untouched.wrapping_add(1);
     }

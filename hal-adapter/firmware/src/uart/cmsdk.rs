@@ -11,7 +11,7 @@ const TX_FULL: u32 = 1;
 const RX_FULL: u32 = 2;
 
 /// One UART.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Uart {
     data: Register,
     state: Register,

@@ -8,7 +8,7 @@ use crate::figures;
 use crate::register::Register;
 
 /// The one UART.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Uart {
     received: Register,
     sent: Register,
@@ -17,7 +17,8 @@ pub struct Uart {
 }
 
 impl Uart {
-    /// 8N1 at 1 000 000 bits a second, transmitter on pin 24, receiver on pin 25 (the micro:bit's USB).
+    /// 8N1 at 1 000 000 bits a second, transmitter on pin 24, receiver on pin 25 (the micro:bit's
+    /// USB).
     ///
     /// # Safety
     /// The program runs on an nRF51, and nothing else uses its UART.

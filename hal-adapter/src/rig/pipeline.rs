@@ -1,0 +1,301 @@
+//! The rig: from events to rows, from rows to scans.
+
+use core::mem;
+
+use scanseg_core::{Finished, PushError, Segmenter, Status};
+
+use super::counters::{Counters, Dropped, count};
+use super::limits::{RigError, TiltLimits};
+use super::place::Place;
+use super::sink::{Counting, End, RigSink, ScanFinished, ScanStarted};
+use crate::latch::Latch;
+use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, Trouble, feed};
+use crate::pairing::{BeamAges, Pairing, RowTurn};
+
+/// The largest distance of two rows, in telegrams, at which the limits of the rate suffice to
+/// detect a jump of the encoder.
+const NEAR: u32 = 4;
+
+/// A scan under way.
+#[derive(Clone, Copy, Debug)]
+struct Progress {
+    last: Place,
+    /// Angle since the first row.
+    covered_rad: f32,
+    rows: u16,
+    /// The sink has broken off: the rest of the sweep is dropped.
+    stopped: bool,
+}
+
+/// Scanner, tilt and segmenter: see [`rig`](crate::rig).
+#[derive(Debug)]
+pub struct Rig<'a, S> {
+    settings: Settings,
+    limits: TiltLimits,
+    segmenter: S,
+    pairing: Pairing,
+    /// The ranges of the last row, and of the row held.
+    row_m: &'a mut [f32],
+    held_m: &'a mut [f32],
+    /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
+    /// with it.
+    held: Option<Place>,
+    scan: Option<Progress>,
+    /// The last sample with a plausible rate, and the time of the last sample that did not continue
+    /// the one before.
+    followed: Option<Place>,
+    jumped_us: u64,
+    /// Times of start bytes: of the telegram under way, and of the last valid one.
+    start_us: Option<u64>,
+    last_start_us: Option<u64>,
+    counters: Counters,
+}
+
+impl<'a, S: Segmenter> Rig<'a, S> {
+    /// Returns a rig. `settings` are those of the scanner's session. `segmenter` has the columns of
+    /// the variant and its [`beams`](super::beams). `rows_m` is memory for two rows of ranges.
+    ///
+    /// # Errors
+    /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
+    pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
+        limits.check(&settings)?;
+        let columns = usize::from(settings.variant.columns());
+        let (needed, got) = (2 * columns, rows_m.len());
+        let Some((row_m, held_m)) = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(columns))
+        else {
+            return Err(RigError::Memory { needed, got });
+        };
+        Ok(Self {
+            settings,
+            limits,
+            segmenter,
+            pairing: Pairing::new(&settings),
+            row_m,
+            held_m,
+            held: None,
+            scan: None,
+            followed: None,
+            jumped_us: 0,
+            start_us: None,
+            last_start_us: None,
+            counters: Counters::default(),
+        })
+    }
+
+    /// Takes a sample of the tilt, by the same clock as the bytes; `None` if the encoder could not
+    /// be read. Sample the tilt when bytes have come, before the call of [`Rig::receive`].
+    pub fn tilt(&mut self, sample: Option<Latch>) {
+        let Some(latch) = sample else { return count(&mut self.counters.encoder_errors) };
+        self.pairing.sample(latch);
+        let Some(rate) = self.pairing.rate_rad_per_s().filter(|&rate| self.limits.plausible(rate)) else { return };
+        let here = Place { turn_rad: latch.turn_rad, rising: rate > 0.0, start_us: latch.time_us };
+        if let Some(before) = &self.followed {
+            if latch.time_us.saturating_sub(before.start_us) < self.pairing.spacing_us() {
+                return;
+            }
+            if here.since(before, &self.limits).is_none() {
+                self.jumped_us = latch.time_us;
+            }
+        }
+        self.followed = Some(here);
+    }
+
+    /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
+    pub fn receive(&mut self, session: &mut Session, bytes: &[u8], now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
+        self.counters.bytes = self.counters.bytes.wrapping_add(bytes.len() as u64);
+        let mut rest = bytes;
+        while let (used, Some(event)) = feed(session, rest, now_us) {
+            rest = rest.get(used..).unwrap_or(&[]);
+            self.handle(event, session.scan_line(), sink);
+        }
+    }
+
+    /// Takes an event of a scanner on its port, and with [`ScannerEvent::ScanLine`] its scan line.
+    pub fn handle(&mut self, event: ScannerEvent, line: Option<ScanLine<'_>>, sink: &mut (impl RigSink + ?Sized)) {
+        match (event, line) {
+            (ScannerEvent::Start { time_us }, _) => {
+                self.start_us = Some(time_us);
+                self.pairing.start(time_us);
+            }
+            (ScannerEvent::ScanLine, Some(line)) => self.telegram(&line, sink),
+            (ScannerEvent::ScanLine, None) => {}
+            (ScannerEvent::Rejected(_), _) => count(&mut self.counters.rejected),
+            (ScannerEvent::Trouble(trouble), _) => self.trouble(trouble, sink),
+        }
+    }
+
+    /// Takes a trouble of the scanner, and ends the scan.
+    pub fn trouble(&mut self, trouble: Trouble, sink: &mut (impl RigSink + ?Sized)) {
+        count(&mut self.counters.troubles);
+        (self.start_us, self.last_start_us) = (None, None);
+        self.end(End::Trouble, sink);
+        sink.trouble(trouble);
+    }
+
+    /// Takes the present time, and ends the scan if no row has come for [`TiltLimits::pause_us`].
+    /// Call it regularly.
+    pub fn idle(&mut self, now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
+        let over = |place: &Place| now_us.saturating_sub(place.start_us) > u64::from(self.limits.pause_us);
+        let scan_over = self.scan.is_none_or(|scan| over(&scan.last));
+        if scan_over && self.held.is_none_or(|held| over(&held)) {
+            self.end(End::Pause, sink);
+        }
+    }
+
+    /// Ends the scan, if one is under way.
+    pub fn finish(&mut self, sink: &mut (impl RigSink + ?Sized)) {
+        self.end(End::Asked, sink);
+    }
+
+    /// Returns the counts so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Returns the segmenter.
+    pub fn release(self) -> S {
+        self.segmenter
+    }
+
+    fn telegram(&mut self, line: &ScanLine<'_>, sink: &mut (impl RigSink + ?Sized)) {
+        count(&mut self.counters.telegrams);
+        // The first telegram after a trouble may come while the session still waits for an answer.
+        // It has no start byte.
+        let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
+        self.count_lost(start_us);
+        let turn = self.pairing.row(BeamAges::of(line, self.settings.variant));
+        if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
+            return self.drop_row(Dropped::Status, sink);
+        }
+        if usize::from(line.columns()) != self.row_m.len() {
+            return self.drop_row(Dropped::Columns, sink);
+        }
+        match self.place(turn, start_us) {
+            Err(dropped) => self.drop_row(dropped, sink),
+            Ok(place) => {
+                line.ranges_m(self.settings.mode, self.row_m);
+                self.row(place, sink);
+            }
+        }
+    }
+
+    /// Counts the telegrams lost since the last valid one, by the time.
+    fn count_lost(&mut self, start_us: u64) {
+        let period_us = u64::from(self.settings.period_us()).max(1);
+        if let Some(last_us) = self.last_start_us.replace(start_us) {
+            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
+            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
+        }
+    }
+
+    /// Returns where the tilt was, or why that is not known.
+    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Place, Dropped> {
+        let turn = turn.ok_or(Dropped::NoTurn)?;
+        let rate_rad_per_s = turn.rate_rad_per_s();
+        if self.limits.plausible(rate_rad_per_s) {
+            Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us })
+        } else if rate_rad_per_s.abs() < self.limits.min_rate_rad_per_s {
+            Err(Dropped::Standing)
+        } else {
+            Err(Dropped::Jump)
+        }
+    }
+
+    /// Returns the angle from one row to another, radians; `None` if it is not certain that both
+    /// are of one sweep. Over a long time a jump can stay within the limits of the rate, so the
+    /// samples must have shown none.
+    fn goes_on(&self, before: &Place, place: &Place) -> Option<f32> {
+        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.settings.period_us());
+        let sure = near || self.jumped_us < before.start_us;
+        place.since(before, &self.limits).filter(|_| sure)
+    }
+
+    /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
+    /// one to be held.
+    fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
+        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
+            self.drop_held(sink);
+            let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
+            if covered_rad + moved_rad > self.limits.sweep_rad {
+                self.end(End::Covered, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
+            } else {
+                self.push(place, moved_rad, sink);
+            }
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
+            self.held = None;
+            self.end(End::Turned, sink);
+            self.begin(held, sink);
+            mem::swap(&mut self.row_m, &mut self.held_m);
+            self.push(held, 0.0, sink);
+            mem::swap(&mut self.row_m, &mut self.held_m);
+            self.push(place, moved_rad, sink);
+        } else {
+            self.drop_held(sink);
+            mem::swap(&mut self.row_m, &mut self.held_m);
+            self.held = Some(place);
+        }
+    }
+
+    /// Begins a scan.
+    fn begin(&mut self, first: Place, sink: &mut (impl RigSink + ?Sized)) {
+        count(&mut self.counters.scans);
+        self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
+        sink.scan_started(&ScanStarted {
+            number: self.counters.scans,
+            columns: self.row_m.len() as u16,
+            turn_rad: first.turn_rad,
+        });
+    }
+
+    /// Gives `row_m` to the segmenter.
+    fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
+        let Some(scan) = &mut self.scan else { return };
+        scan.last = place;
+        scan.covered_rad += moved_rad;
+        if scan.stopped {
+            return self.drop_row(Dropped::Stopped, sink);
+        }
+        let mut counting = Counting { sink, segments: &mut self.counters.segments };
+        match self.segmenter.push_row(self.row_m, place.turn_rad, &mut counting) {
+            Ok(status) => {
+                scan.rows = scan.rows.saturating_add(1);
+                scan.stopped = status == Status::Stopped;
+                count(&mut self.counters.rows);
+            }
+            Err(PushError::TooManyRows { .. }) if scan.rows > 0 => {
+                self.end(End::Covered, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
+            }
+            Err(_) => self.drop_row(Dropped::Refused, sink),
+        }
+    }
+
+    /// Ends the scan, if one is under way, and drops the row held.
+    fn end(&mut self, end: End, sink: &mut (impl RigSink + ?Sized)) {
+        self.drop_held(sink);
+        let Some(scan) = self.scan.take() else { return };
+        let mut counting = Counting { sink: &mut *sink, segments: &mut self.counters.segments };
+        let finished = self.segmenter.finish(&mut counting);
+        let unlabelled = match finished {
+            Finished::Complete { unlabelled, .. } => unlabelled,
+            Finished::Stopped => 0,
+        };
+        let number = self.counters.scans;
+        sink.scan_finished(&ScanFinished { number, end, rows: scan.rows, unlabelled, counters: self.counters });
+    }
+
+    fn drop_held(&mut self, sink: &mut (impl RigSink + ?Sized)) {
+        if self.held.take().is_some() {
+            self.drop_row(Dropped::Alone, sink);
+        }
+    }
+
+    fn drop_row(&mut self, dropped: Dropped, sink: &mut (impl RigSink + ?Sized)) {
+        count(self.counters.of(dropped));
+        sink.row_dropped(dropped);
+    }
+}

@@ -1,0 +1,19 @@
+//! The files of scanseg: range images, their geometry, label images, captures of a scanner.
+
+pub mod capture;
+pub mod file;
+pub mod geometry;
+mod geometry_toml;
+pub mod grey_image;
+pub mod range_image;
+
+pub use capture::{Capture, CaptureError};
+pub use file::{FileError, write_all_or_none, write_atomic};
+pub use geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+pub use grey_image::{GreyImage, ImageError};
+pub use range_image::{RangeError, RangeImage};
+
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

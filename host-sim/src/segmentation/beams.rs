@@ -1,0 +1,104 @@
+//! The beams of a range image as the core wants them.
+
+use scanseg_core::{Beams, Columns};
+use scanseg_formats::{Angles, Geometry, GeometryError, Kind};
+
+/// The beams of a scan, as the core wants them: `f32`, radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanBeams {
+    kind: Kind,
+    /// Column angles, if they are listed.
+    columns_rad: Vec<f32>,
+    /// One angle per row: turn, elevation, or 0 for a pinhole.
+    rows_rad: Vec<f32>,
+}
+
+impl ScanBeams {
+    /// The beams of an image of `rows` x `columns` pixels. Even azimuths that go round, but not
+    /// exactly once, become a list, so that the angle across the seam is the true one.
+    ///
+    /// # Errors
+    /// If the geometry does not fit the image, see [`Geometry::fits`].
+    pub fn new(geometry: &Geometry, rows: usize, columns: usize) -> Result<ScanBeams, GeometryError> {
+        geometry.fits(rows, columns)?;
+        let list = |angles: &Angles, count| (0..count).map(|i| radians(angles.at(i))).collect::<Vec<_>>();
+        let (rows_rad, columns_rad) = match &geometry.kind {
+            Kind::Nodding { beam_deg, turn_deg, .. } => {
+                let listed = matches!(beam_deg, Angles::Listed(_));
+                (list(turn_deg, rows), if listed { list(beam_deg, columns) } else { vec![] })
+            }
+            Kind::Spinning { azimuth_deg, elevation_deg, wraps } => {
+                let listed = match azimuth_deg {
+                    Angles::Listed(_) => true,
+                    Angles::Even { step, .. } => {
+                        *wraps && (step.abs() * columns as f64 - 360.0).abs() > 0.009 * step.abs()
+                    }
+                };
+                (list(elevation_deg, rows), if listed { list(azimuth_deg, columns) } else { vec![] })
+            }
+            Kind::Pinhole { .. } => (vec![0.0; rows], vec![]),
+        };
+        Ok(ScanBeams { kind: geometry.kind.clone(), columns_rad, rows_rad })
+    }
+
+    /// For the core.
+    pub fn beams(&self) -> Beams<'_> {
+        let columns = |angles: &Angles| match *angles {
+            Angles::Even { start, step } if self.columns_rad.is_empty() => {
+                Columns::Even { start_rad: radians(start), step_rad: step.to_radians() as f32 }
+            }
+            _ => Columns::Listed(&self.columns_rad),
+        };
+        match &self.kind {
+            Kind::Nodding { beam_deg, turn_axis, .. } => {
+                Beams::Nodding { columns: columns(beam_deg), axis: *turn_axis }
+            }
+            Kind::Spinning { azimuth_deg, wraps, .. } => {
+                Beams::Spinning { columns: columns(azimuth_deg), wraps: *wraps }
+            }
+            &Kind::Pinhole { fx, fy, cx, cy, .. } => {
+                let [fx_px, fy_px, cx_px, cy_px] = [fx, fy, cx, cy].map(|px| px as f32);
+                Beams::Pinhole { fx_px, fy_px, cx_px, cy_px }
+            }
+        }
+    }
+
+    /// The angle to push with each row, radians.
+    pub fn rows_rad(&self) -> &[f32] {
+        &self.rows_rad
+    }
+}
+
+/// Within one turn, where `f32` is finest.
+fn radians(deg: f64) -> f32 {
+    (deg % 360.0).to_radians() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_angles_stay_even_unless_the_seam_would_be_wrong() {
+        let spinning = |step, columns, wraps| {
+            let azimuth_deg = Angles::Even { start: 540.0, step };
+            let elevation_deg = Angles::Listed(vec![10.0, -5.0]);
+            let kind = Kind::Spinning { azimuth_deg, elevation_deg, wraps };
+            let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
+            let geometry = Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind };
+            ScanBeams::new(&geometry, 2, columns).unwrap()
+        };
+        let closed = spinning(-3.6, 100, true);
+        let Beams::Spinning { columns: Columns::Even { start_rad, step_rad }, wraps: true } = closed.beams() else {
+            panic!("{closed:?}");
+        };
+        assert_eq!((start_rad, step_rad), (std::f32::consts::PI, (-3.6f64).to_radians() as f32));
+        assert_eq!(closed.rows_rad(), [10f64, -5.0].map(|deg| deg.to_radians() as f32));
+        // half a step is missing at the seam
+        let open = spinning(-3.582, 100, true);
+        let Beams::Spinning { columns: Columns::Listed(list), wraps: true } = open.beams() else { panic!("{open:?}") };
+        assert_eq!((list.len(), list[99]), (100, (540.0f64 - 99.0 * 3.582).to_radians() as f32));
+        let apart = spinning(-3.582, 100, false);
+        assert!(matches!(apart.beams(), Beams::Spinning { columns: Columns::Even { .. }, wraps: false }));
+    }
+}

@@ -1,0 +1,14 @@
+//! Whole scans through the core: beams and memory from a geometry file, rows pushed one by one,
+//! results collected.
+
+mod beams;
+mod bearing;
+mod error;
+mod memory;
+mod whole;
+
+pub use beams::ScanBeams;
+pub use bearing::bearing_image;
+pub use error::{SegmentationError, check_size};
+pub use memory::OwnedMemory;
+pub use whole::Segmentation;

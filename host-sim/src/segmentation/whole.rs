@@ -1,0 +1,226 @@
+//! A whole scan through the core, all results collected.
+
+use std::ops::ControlFlow;
+
+use scanseg_core::{AnyConfig, AnySegmenter, EdgeRow, Finished, Join, LabelRow, Pixel, Segment, Segmenter, Sink};
+use scanseg_formats::{Geometry, RangeImage};
+
+use crate::segmentation::beams::ScanBeams;
+use crate::segmentation::error::{SegmentationError, check_size};
+use crate::segmentation::memory::OwnedMemory;
+
+/// All that the segmentation of a scan gives.
+#[derive(Clone, Debug)]
+pub struct Segmentation {
+    /// Rows.
+    pub rows: usize,
+    /// Columns.
+    pub columns: usize,
+    /// `rows * columns` labels with all joins applied; 0 in no segment.
+    pub labels: Vec<u32>,
+    /// `rows * columns` edges, before the closing. Region-based: where lines end, see
+    /// [`scanseg_core::Sink::edges`].
+    pub edges: Vec<bool>,
+    /// `rows * columns` edges, after the closing. Region-based: pixels on no line. A pixel without
+    /// a return is none.
+    pub closed_edges: Vec<bool>,
+    /// The segments, the one with the most pixels first; where pixels are equal the lower label
+    /// first. Segment number n, counted from 1, is at n - 1.
+    pub segments: Vec<Segment>,
+    /// Pixels that got no label because the table of live labels was full.
+    pub unlabelled: u32,
+}
+
+impl Segmentation {
+    /// Segments a scan. `row_done` is called after each row.
+    ///
+    /// # Errors
+    /// [`SegmentationError`]: the geometry does not fit, the image is too large, or the
+    /// configuration is wrong.
+    pub fn of<'a>(
+        scan: &RangeImage,
+        geometry: &Geometry,
+        config: impl Into<AnyConfig<'a>>,
+        max_labels: Option<usize>,
+        mut row_done: impl FnMut(),
+    ) -> Result<Segmentation, SegmentationError> {
+        check_size(scan)?;
+        let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
+        let config = config.into();
+        let mut memory = OwnedMemory::new(config.sizes(scan.columns), max_labels);
+        let mut collected = Collected::new(scan.rows, scan.columns);
+        let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
+        for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
+            segmenter.push_row(row_m, row_rad, &mut collected)?;
+            row_done();
+        }
+        let unlabelled = match segmenter.finish(&mut collected) {
+            Finished::Complete { unlabelled, .. } => unlabelled,
+            Finished::Stopped => unreachable!("the sink never breaks off"),
+        };
+        collected.apply_joins();
+        let Collected { labels, edges, closed_edges, mut segments, .. } = collected;
+        segments.sort_by_key(|s| (u32::MAX - s.pixels(), s.label));
+        Ok(Segmentation { rows: scan.rows, columns: scan.columns, labels, edges, closed_edges, segments, unlabelled })
+    }
+
+    /// The segments of at least `min_pixels` pixels.
+    pub fn of_pixels(&self, min_pixels: u32) -> &[Segment] {
+        &self.segments[..self.segments.partition_point(|s| s.pixels() >= min_pixels)]
+    }
+
+    /// The segment number of each pixel, from 1, the largest; 0 for no segment and for those below
+    /// `min_pixels`.
+    pub fn numbers(&self, min_pixels: u32) -> Vec<u32> {
+        let last = self.segments.iter().map(|s| s.label.0).max().unwrap_or(0);
+        let mut number_of = vec![0; last as usize + 1];
+        for (number, segment) in (1..).zip(self.of_pixels(min_pixels)) {
+            number_of[segment.label.0 as usize] = number;
+        }
+        self.labels.iter().map(|&label| number_of[label as usize]).collect()
+    }
+}
+
+/// Collects what comes of a scan.
+struct Collected {
+    columns: usize,
+    labels: Vec<u32>,
+    edges: Vec<bool>,
+    closed_edges: Vec<bool>,
+    segments: Vec<Segment>,
+    /// The label that each label was joined into; itself if none.
+    joined_into: Vec<u32>,
+}
+
+impl Collected {
+    fn new(rows: usize, columns: usize) -> Collected {
+        let pixels = rows * columns;
+        Collected {
+            columns,
+            labels: vec![0; pixels],
+            edges: vec![false; pixels],
+            closed_edges: vec![false; pixels],
+            segments: vec![],
+            joined_into: vec![],
+        }
+    }
+
+    /// Gives each pixel the label that remains of all joins.
+    fn apply_joins(&mut self) {
+        // joins go to smaller labels, so that these are final when a larger one asks
+        for label in 0..self.joined_into.len() {
+            self.joined_into[label] = self.joined_into[self.joined_into[label] as usize];
+        }
+        for label in &mut self.labels {
+            *label = self.joined_into.get(*label as usize).copied().unwrap_or(*label);
+        }
+    }
+}
+
+impl Sink for Collected {
+    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
+        for (i, pixel) in (row.row() * self.columns..).zip(row.pixels()) {
+            match pixel {
+                Pixel::Segment(label) => self.labels[i] = label.0,
+                Pixel::Edge => self.closed_edges[i] = true,
+                Pixel::NoReturn | Pixel::Unlabelled => {}
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn join(&mut self, join: Join) -> ControlFlow<()> {
+        let known = self.joined_into.len() as u32;
+        self.joined_into.extend(known..=join.from.0.max(known.saturating_sub(1)));
+        self.joined_into[join.from.0 as usize] = join.into.0;
+        self.segments.retain(|segment| segment.label != join.from);
+        ControlFlow::Continue(())
+    }
+
+    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        self.segments.retain(|known| known.label != segment.label);
+        self.segments.push(*segment);
+        ControlFlow::Continue(())
+    }
+
+    fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
+        for run in row.runs() {
+            let start = row.row() * self.columns;
+            self.edges[start + run.start..start + run.end].fill(true);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_ROWS, TurnAxis};
+    use scanseg_formats::{Angles, Depth, Kind};
+
+    fn geometry(kind: Kind) -> Geometry {
+        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
+        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind }
+    }
+
+    fn camera() -> Geometry {
+        geometry(Kind::Pinhole { fx: 100.0, fy: 100.0, cx: 4.0, cy: 10.0, depth: Depth::Z })
+    }
+
+    #[test]
+    fn pixels_get_the_label_that_remains_of_all_joins() {
+        // Three teeth of a comb: labels 1, 2, 3. The bar joins the last two first, then these with
+        // the first.
+        let (rows, columns) = (20, 9);
+        let mut range_m = vec![0.0; rows * columns];
+        for row in 0..rows {
+            let filled = if row < 12 {
+                vec![0, 4, 8]
+            } else if row < 16 {
+                vec![0, 4, 5, 6, 7, 8]
+            } else {
+                (0..columns).collect()
+            };
+            filled.into_iter().for_each(|column| range_m[row * columns + column] = 2.0);
+        }
+        let scan = RangeImage { rows, columns, range_m };
+        let mut rows_done = 0;
+        let done = Segmentation::of(&scan, &camera(), EdgeConfig::paper(), None, || rows_done += 1).unwrap();
+        assert_eq!((done.segments.len(), rows_done, done.unlabelled), (1, rows, 0));
+        let expected: Vec<u32> = scan.range_m.iter().map(|&m| u32::from(m > 0.0)).collect();
+        assert_eq!(done.labels, expected);
+        assert_eq!(done.numbers(1), expected);
+        assert_eq!(done.numbers(done.segments[0].pixels() + 1), vec![0; rows * columns]);
+    }
+
+    #[test]
+    fn segments_come_by_size_then_label() {
+        // columns of 1, 3, 3, 2 pixels with gaps between them
+        let (rows, columns) = (3, 7);
+        let lengths = [1, 0, 3, 0, 3, 0, 2];
+        let range_m = (0..rows * columns).map(|i| if i / columns < lengths[i % columns] { 2.0 } else { 0.0 }).collect();
+        let scan = RangeImage { rows, columns, range_m };
+        let done = Segmentation::of(&scan, &camera(), EdgeConfig::paper(), None, || {}).unwrap();
+        let found: Vec<_> = done.segments.iter().map(|s| (s.pixels(), s.first_column)).collect();
+        assert_eq!(found, [(3, 2), (3, 4), (2, 6), (1, 0)]);
+        assert_eq!(done.numbers(2)[..columns], [0, 0, 1, 0, 2, 0, 3]);
+        assert_eq!(done.of_pixels(3).len(), 2);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let image = |rows, columns| RangeImage { rows, columns, range_m: vec![1.0; rows * columns] };
+        let run = |scan: &RangeImage, geometry: &Geometry| {
+            Segmentation::of(scan, geometry, EdgeConfig::paper(), None, || {}).map(|_| ()).unwrap_err()
+        };
+        let wide = run(&image(1, MAX_COLUMNS + 1), &camera());
+        assert_eq!(wide, SegmentationError::Size { rows: 1, columns: MAX_COLUMNS + 1 });
+        assert!(matches!(run(&image(MAX_ROWS + 1, 1), &camera()), SegmentationError::Size { .. }));
+        assert!(matches!(run(&image(0, 0), &camera()), SegmentationError::Size { .. }));
+        let (beam_deg, turn_deg) = (Angles::Even { start: 0.0, step: 1.0 }, Angles::Listed(vec![0.0, 1.0]));
+        let kind = Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y };
+        assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Geometry(_)));
+        let kind = Kind::Pinhole { fx: 1e9, fy: 1.0, cx: 0.0, cy: 0.0, depth: Depth::Z };
+        assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Config(_)));
+    }
+}
