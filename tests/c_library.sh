@@ -2,6 +2,7 @@
 # The library for C and C++: built, linked, run, and compared with the command. See core/capi.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/tools.sh
 root=$PWD
 capi=$root/core/capi
 out=$root/target/c-library
@@ -10,10 +11,19 @@ rm -rf "$out/run"
 mkdir -p "$out/run"
 cd "$out/run"
 
-have() { command -v "$1" >/dev/null; }
 quiet() { # runs a command, shows what it says if it fails
     "$@" >"$out/run/log" 2>&1 || { cat "$out/run/log"; echo "failed: $*"; exit 1; }
 }
+
+# what the parts below want, and do without where it cannot be had
+missing=()
+for tool in g++ clang valgrind cmake make pkg-config qemu-system-arm arm-none-eabi-gcc; do
+    have $tool || missing+=("${tool/arm-none-eabi-gcc/gcc-arm-none-eabi}")
+done
+[ ${#missing[@]} = 0 ] || install "${missing[@]}" || echo "skipped: could not be installed: ${missing[*]}"
+# the sanitizers' run-time, which comes apart
+sanitizes() { echo 'int main(void) { return 0; }' | $1 -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null; }
+! have clang || sanitizes clang || install "libclang-rt-$(clang -dumpversion | cut -d. -f1)-dev" || true
 
 "$capi/build.sh" "$lib"
 
@@ -31,7 +41,7 @@ built=0
 for cc in gcc clang; do
     have $cc && have ${cc/gcc/g}++ || { echo "skipped: $cc is not here"; continue; }
     kinds=("" -asan)
-    if ! echo 'int main(void) { return 0; }' | $cc -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null; then
+    if ! sanitizes $cc; then
         echo "skipped: $cc has no AddressSanitizer here"
         kinds=("")
     fi
@@ -93,7 +103,7 @@ fi
 board="-std=c99 -Os -Wall -Wextra -pedantic -Werror -ffreestanding -nostdlib -mcpu=cortex-m4 -I$capi/include
     -T $capi/examples/bare_metal/mps2_an386.ld $capi/examples/bare_metal/main.c"
 rust_lld=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/gcc-ld/ld.lld
-if ! rustup target add thumbv7em-none-eabihf >/dev/null 2>&1; then
+if ! targets thumbv7em-none-eabihf; then
     echo "skipped: rustup does not give thumbv7em-none-eabihf"
 else
     "$capi/build.sh" "$lib-thumbv7em" thumbv7em-none-eabihf

@@ -5,15 +5,13 @@
 # Takes the targets from rustup; where that has none, Debian's rustc-web and rust-web-src.
 set -euo pipefail
 cd "$(dirname "$0")/../hal-adapter/firmware"
+. ../../tests/tools.sh
 # what the simulator needs is built already, for the other tests
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../../target}
-install() { # Debian packages, where there is apt-get and the right to use it
-    command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] && { apt-get update && apt-get install -y "$@"; } >/dev/null 2>&1
-}
 
 build=(cargo build)
 compiler=rustc
-if rustup target add thumbv6m-none-eabi thumbv7em-none-eabihf >/dev/null 2>&1; then
+if targets thumbv6m-none-eabi thumbv7em-none-eabihf; then
     cargo clippy --quiet --workspace --exclude scanseg-firmware --all-targets -- -D warnings
     for features in "" region plane figures defmt; do
         cargo clippy --quiet --bin mps2 --features "$features" --target thumbv7em-none-eabihf -- -D warnings
@@ -51,7 +49,7 @@ for image in mps2 microbit; do
 done
 echo "no panic routine linked into any image ($($compiler --version))"
 
-if ! command -v qemu-system-arm >/dev/null && ! install qemu-system-arm; then
+if ! have qemu-system-arm && ! install qemu-system-arm; then
     echo "skipped: running the images (qemu-system-arm could not be installed)"
     exit 0
 fi

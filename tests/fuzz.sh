@@ -5,17 +5,16 @@
 # fuzz/README.md.
 set -euo pipefail
 cd "$(dirname "$0")/../fuzz"
+. ../tests/tools.sh
 seconds=${1:-20}
 random=${2:-0}
 
 skip() { echo "skipped: $*"; exit 0; }
 # Instrumented builds want a nightly compiler.
-cargo +nightly --version >/dev/null 2>&1 || rustup toolchain install nightly --profile minimal >/dev/null 2>&1 ||
-    skip "fuzzing: no nightly Rust, and it could not be installed"
-cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked >/dev/null 2>&1 ||
+toolchain nightly || skip "fuzzing: no nightly Rust, and it could not be installed"
+cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked --debug cargo-fuzz ||
     skip "fuzzing: no cargo-fuzz, and it could not be installed"
 
-cargo fmt --check
 cargo +nightly fuzz build
 
 run() { # target

@@ -2,17 +2,15 @@
 # The tests of the core, the drivers and the library for C, on a 32-bit processor: that of this machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/tools.sh
 target=i686-unknown-linux-gnu
-install() { # Debian packages, where there is apt-get and the right to use it
-    command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] && { apt-get update && apt-get install -y "$@"; } >/dev/null 2>&1
-}
 links() { echo 'int main(void) { return 0; }' | cc -m32 -x c - -o /dev/null 2>/dev/null; }
-if ! rustup target add $target >/dev/null 2>&1 || ! { links || install gcc-multilib; } || ! links; then
+if ! targets $target || ! { links || install gcc-multilib; } || ! links; then
     echo "skipped: $target: no target or no C library for it"
     exit 0
 fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 cargo test --quiet --target $target -p scanseg-core -p scanseg-tests -p scanseg-hal \
-    -p scanseg-capi >"$log" 2>&1 || { cat "$log"; exit 1; }
+    -p scanseg-capi --features scanseg-hal/link >"$log" 2>&1 || { cat "$log"; exit 1; }
 echo "$target: $(awk '/^test result/ { passed += $4 } END { print passed " tests" }' "$log")"

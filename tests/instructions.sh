@@ -4,7 +4,8 @@
 # Fails where the cost per point grows with the image or passes its ceiling.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-command -v valgrind >/dev/null || { echo "skipped: no valgrind"; exit 0; }
+. tests/tools.sh
+have valgrind || install valgrind || { echo "skipped: no valgrind, and it could not be installed"; exit 0; }
 cargo build --release --quiet -p scanseg-sim --example cost
 cost=${CARGO_TARGET_DIR:-target}/release/examples/cost
 work=$(mktemp -d)
@@ -46,7 +47,8 @@ awk -v a="${values[0]}" -v b="${values[1]}" -v c="${values[2]}" \
 }'
 
 peer=../shared/peers/opencv
-if [ -d "$peer" ] && pkg-config --exists opencv4 2>/dev/null; then
+opencv() { pkg-config --exists opencv4 2>/dev/null; }
+if [ -d "$peer" ] && { opencv || { install pkg-config libopencv-dev g++ && opencv; }; }; then
     cp -r "$peer" "$work/peer"
     chmod -R u+w "$work/peer"
     bash "$work/peer/build.sh" 2>/dev/null
@@ -63,5 +65,5 @@ if [ -d "$peer" ] && pkg-config --exists opencv4 2>/dev/null; then
         printf '%-24s %10s %10s\n' "$1, $3" "$ours" "$theirs"
     done
 else
-    echo "skipped: the C++ peer (no $peer or no libopencv-dev)"
+    echo "skipped: the C++ peer (no $peer, or libopencv-dev could not be installed)"
 fi

@@ -4,8 +4,9 @@
 # cannot run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/tools.sh
 if ! cargo +nightly miri --version >/dev/null 2>&1 &&
-    ! rustup toolchain install nightly --profile minimal --component miri --component rust-src >/dev/null 2>&1; then
+    ! alone rustup toolchain install nightly --profile minimal --component miri --component rust-src; then
     echo "skipped: Miri could not be installed"
     exit 0
 fi
@@ -18,6 +19,6 @@ miri() { # target, then what to test
     cargo +nightly miri test --quiet --target-dir target/miri --target "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
     echo "$*: $(awk '/^test result/ { passed += $4; ignored += $8 } END { print passed " tests, " ignored " left out" }' "$log")"
 }
-miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --tests
+miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --features scanseg-hal/link --tests
 miri s390x-unknown-linux-gnu -p scanseg-tests --test goldens --test goldens_planes --test goldens_regions
 miri armv7-unknown-linux-gnueabihf -p scanseg-capi --tests

@@ -3,12 +3,13 @@
 # of its functions kept, and no panic routine is left. As a control, a function that can panic goes the same way.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/tools.sh
 out=$PWD/target/no-panic
-targets="thumbv6m-none-eabi thumbv7em-none-eabihf riscv32imc-unknown-none-elf"
+triples="thumbv6m-none-eabi thumbv7em-none-eabihf riscv32imc-unknown-none-elf"
 lld=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/gcc-ld/ld.lld
 [ -x "$lld" ] || { echo "skipped: this Rust brings no linker"; exit 0; }
 # shellcheck disable=SC2086
-rustup target add $targets >/dev/null 2>&1 || { echo "skipped: rustup does not give the targets"; exit 0; }
+targets $triples || { echo "skipped: rustup does not give the targets"; exit 0; }
 
 functions() { nm -g --defined-only "$1" 2>/dev/null | awk 'NF == 3 && $3 ~ /^scanseg_/ { print $3 }' | sort -u; }
 panics() { # archive, target: the panic routines that are linked with its functions
@@ -26,7 +27,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! { loop {} }
 #[unsafe(no_mangle)]
 pub extern "C" fn scanseg_control(i: usize) -> u8 { [1, 2, 3][i] }
 RUST
-for target in $targets; do
+for target in $triples; do
     rustc --edition 2024 -O -C panic=abort --crate-type staticlib --target "$target" "$out/control.rs" -o "$out/control.a"
     [ -n "$(panics "$out/control.a" "$target")" ] || { echo "$target: the control should panic"; exit 1; }
     core/capi/build.sh "$out/$target" "$target"

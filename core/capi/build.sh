@@ -17,9 +17,15 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 target=${target:-$host}
 [ "$cpu" = generic ] && flags="" || flags="-Ctarget-cpu=$cpu"
 built=$out/cargo/$target/capi
+# Without the standard library, and a panic ends the program. Not in a Cargo.toml: a package's own
+# profiles do not count within a workspace, nor a workspace's in a package.
+profile=()
+for setting in 'inherits="release"' 'panic="abort"' 'lto="fat"' 'codegen-units=1' 'debug=false'; do
+    profile+=(--config "profile.capi.$setting")
+done
 build() { # crate type
-    RUSTFLAGS=$flags cargo rustc --quiet --profile capi --package scanseg-capi --no-default-features --crate-type "$1" \
-        --target "$target" --target-dir "$out/cargo"
+    RUSTFLAGS=$flags cargo rustc --quiet "${profile[@]}" --profile capi --package scanseg-capi --no-default-features \
+        --crate-type "$1" --target "$target" --target-dir "$out/cargo"
 }
 case $target in
 *-none-*)

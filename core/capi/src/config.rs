@@ -7,8 +7,8 @@ use scanseg_core::{
     PlaneConfig, Ranging, RegionConfig, Sizes, TurnAxis,
 };
 
+use crate::check::{SCANSEG_ABI_VERSION, check_pointer, check_struct};
 use crate::status::{SCANSEG_ERROR_ABI_VERSION, SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_CONFIG, Status};
-use crate::{SCANSEG_ABI_VERSION, check_pointer, check_struct};
 
 /// `approach`: planes that go on from row to row. The default, and right at the noise of real
 /// scanners.

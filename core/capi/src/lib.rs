@@ -18,6 +18,7 @@ extern crate std;
 #[cfg(all(not(feature = "std"), not(panic = "abort")))]
 compile_error!("without the feature `std` panics must abort: build with the profile `capi`, or for bare metal");
 
+mod check;
 mod config;
 mod output;
 #[cfg(all(not(feature = "std"), not(test)))]
@@ -25,6 +26,7 @@ mod panic;
 mod state;
 mod status;
 
+pub use check::SCANSEG_ABI_VERSION;
 pub use config::*;
 pub use output::*;
 pub use state::*;
@@ -32,6 +34,7 @@ pub use status::*;
 
 use core::ffi::{c_char, c_void};
 
+use check::check_pointer;
 use config::{Checked, Refused};
 use output::Collector;
 use state::{Handle, Layout};
@@ -42,28 +45,6 @@ pub const SCANSEG_VERSION_MAJOR: u32 = 0;
 pub const SCANSEG_VERSION_MINOR: u32 = 1;
 /// Version of this header: third number.
 pub const SCANSEG_VERSION_PATCH: u32 = 0;
-/// Counts the incompatible changes of structs and functions. `scanseg_config_init` and
-/// `scanseg_init` compare it with the library's.
-pub const SCANSEG_ABI_VERSION: u32 = 1;
-
-fn check_pointer<T>(pointer: *const T) -> Result<(), Status> {
-    match pointer {
-        p if p.is_null() => Err(SCANSEG_ERROR_NULL),
-        p if !p.is_aligned() => Err(SCANSEG_ERROR_ALIGNMENT),
-        _ => Ok(()),
-    }
-}
-
-/// Whether a struct of the caller is the one that we know.
-///
-/// # Safety
-/// `of` is NULL or points to as many bytes as `size`, a field of it, says; at least to that field.
-unsafe fn check_struct<T>(of: *const T, size: *const u32) -> Result<(), Status> {
-    check_pointer(of)?;
-    // SAFETY: a field of a struct that is there and aligned.
-    let size = unsafe { size.read() };
-    if size as usize == size_of::<T>() { Ok(()) } else { Err(SCANSEG_ERROR_STRUCT_SIZE) }
-}
 
 fn status(result: Result<(), Status>) -> Status {
     result.err().unwrap_or(SCANSEG_OK)

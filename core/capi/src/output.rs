@@ -5,8 +5,8 @@ use core::ops::ControlFlow;
 
 use scanseg_core::{Join, LabelRow, Moments, Pixel, Segment, Sink};
 
+use crate::check::{check_pointer, check_struct};
 use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_NO_PLANE, SCANSEG_OK, Status};
-use crate::{check_pointer, check_struct};
 
 /// A pixel: nothing was measured.
 pub const SCANSEG_NO_RETURN: u32 = 0;

@@ -1,6 +1,7 @@
 //! All stages together, on scenes worked out by hand.
 
 use super::beams::TurnAxis;
+use super::closing::Element;
 use super::*;
 use crate::art::Picture;
 use nalgebra::Vector3;

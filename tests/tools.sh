@@ -1,0 +1,18 @@
+# Functions of the checks, sourced by them: what is here, and how to get what is not.
+have() { command -v "$1" >/dev/null; }
+
+alone() { # command...: in silence, and while no other check installs anything
+    (flock 9 && "$@") 9>"${TMPDIR:-/tmp}/scanseg-install.lock" >/dev/null 2>&1
+}
+
+install() { # packages of Debian, where there is apt-get and the right to use it
+    have apt-get && [ "$(id -u)" = 0 ] && alone apt-get update &&
+        alone env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# What rustup has. An installed target, component or toolchain costs no time.
+targets() { alone rustup target add "$@"; }
+components() { alone rustup component add "$@"; }
+toolchain() { # name, then flags of `rustup toolchain install`
+    alone cargo "+$1" --version || alone rustup toolchain install --profile minimal "$@"
+}
