@@ -8,6 +8,8 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=target/packages
+# Cargo takes a package for unchanged as long as its version is.
+rm -rf "$CARGO_TARGET_DIR" "${CARGO_HOME:-$HOME/.cargo}"/registry/src/-*/scanseg-*
 
 crates=()
 for folder in core core/capi hal-adapter host-sim/formats host-sim/virtual-rig host-sim; do

@@ -89,5 +89,5 @@ pub use sink::{EdgeRow, LabelRow, Pixel, Sink};
 
 /// Compiles the example of the README.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;

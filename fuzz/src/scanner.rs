@@ -30,7 +30,7 @@ pub fn settings(u: &mut Unstructured) -> Result<Settings> {
 }
 
 /// A piece of a stream.
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 pub enum Piece {
     /// Any bytes.
     Bytes(Vec<u8>),
@@ -45,7 +45,7 @@ pub enum Piece {
 }
 
 /// Values of a scan: some bytes over and over.
-#[derive(Arbitrary, Debug, Default)]
+#[derive(Debug, Default, Arbitrary)]
 pub struct Fill(Vec<u8>);
 
 impl Fill {
@@ -56,7 +56,7 @@ impl Fill {
 }
 
 /// What happens to a telegram on the line.
-#[derive(Arbitrary, Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Arbitrary)]
 pub enum Damage {
     None,
     Flip { at: u16, bit: u8 },

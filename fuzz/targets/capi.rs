@@ -12,7 +12,7 @@ use scanseg_tests::stream::{self, Angles, Rig, Scan};
 use std::ffi::c_void;
 use std::ptr::null_mut;
 
-#[derive(Arbitrary, Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Arbitrary)]
 enum Call {
     /// A row of the scan.
     Push(u8),

@@ -11,7 +11,7 @@ use scanseg_hal::encoder::quadrature::{EdgeCounter, Quadrature, turn};
 use scanseg_hal::encoder::{Calibration, Direction, Encoder, Tilt};
 use std::collections::VecDeque;
 
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 struct Input {
     zero_turn: u32,
     opposite: bool,
@@ -22,7 +22,7 @@ struct Input {
     edges: Vec<(bool, bool)>,
 }
 
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 enum Gear {
     One,
     Bits(f32),
@@ -124,7 +124,7 @@ fuzz_target!(|input: Input| {
         }
     }
 
-    let mut lines = Edges::default();
+    let mut lines = EdgeCounter::default();
     let (mut now, mut sum, mut missed) = (0, 0, 0);
     for (a, b) in edges {
         lines.step(a, b);

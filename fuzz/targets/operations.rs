@@ -8,7 +8,7 @@ use scanseg_core::{AnyConfig, AnySegmenter, Finished, PushError, Segmenter, Size
 use scanseg_fuzz::case::{APPROACHES, Case, Settings};
 use scanseg_tests::stream::{Record, Room, Scan};
 
-#[derive(Arbitrary, Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Arbitrary)]
 enum Operation {
     /// A row of the scan.
     Push(u8),

@@ -9,7 +9,7 @@ use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{Settings, TelegramDecoder};
 use scanseg_hal::pairing::{BeamAges, Pairing};
 
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 enum Event {
     /// After so many 16 us.
     Later(u16),

@@ -14,7 +14,7 @@ use std::f32::consts::{PI, TAU};
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 enum Step {
     /// So many telegrams, one after the other, the tilt sampled with each.
     Rows(u8),

@@ -10,7 +10,7 @@ use scanseg_hal::lms2xx::{Action, Baud, Phase, Session, SessionEvent, Settings};
 use scanseg_virtual_rig::telegrams::frame;
 use scanseg_virtual_rig::{Beam, Mishap, VirtualLms, WireFaults};
 
-#[derive(Arbitrary, Debug)]
+#[derive(Debug, Arbitrary)]
 enum Step {
     /// Do what it says; time goes on as long as it waits.
     Poll,

@@ -1,10 +1,10 @@
-//! Drivers for a scanner on a tilt, and the path from their bytes to the segments of `scanseg-core`:
-//! `no_std`, no allocation.
+//! Drivers for a scanner on a tilt, and the path from their bytes to the segments of
+//! `scanseg-core`: `no_std`, no allocation.
 //!
 //! - [`lms2xx`]: the SICK LMS 2xx line scanner. A telegram decoder and a session that need no port,
 //!   and a scanner on an embedded-io port, blocking or async.
-//! - [`encoder`]: angle encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature; and their
-//!   calibration.
+//! - [`encoder`]: angle encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature; and
+//!   their calibration.
 //! - [`pairing`]: the turn angle of a scan line, and of each beam within it.
 //! - [`rig`]: scanner, tilt and segmenter together: bytes in, segments out.
 //! - `link`: the results as frames of bytes, for a serial port to a host.
@@ -41,8 +41,8 @@
 //! ```
 #![no_std]
 #![deny(missing_debug_implementations)]
-// Arrays of known length are indexed by `[i]`, slices by checked access (`get`, patterns, iterators):
-// no panic routine is left in an image. The core keeps the same rule.
+// Arrays of known length are indexed by `[i]`, slices by checked access (`get`, patterns,
+// iterators): no panic routine is left in an image. The core keeps the same rule.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bytes;

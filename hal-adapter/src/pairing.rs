@@ -8,8 +8,8 @@
 //! 0.38 degree between two mirror turns, so neighbouring columns of one telegram can differ by most
 //! of a step.
 //!
-//! The tilt is sampled as the telegrams come. Two samples give its rate, and the rate gives the turn
-//! angle of every beam.
+//! The tilt is sampled as the telegrams come. Two samples give its rate, and the rate gives the
+//! turn angle of every beam.
 //!
 //! The error, simulated: a floor 1 m below a scanner that tilts at 0.5 rad/s, seen up to 6 m away,
 //! with an encoder of 14 bits. Distance of the points from the floor, root mean square:
@@ -19,7 +19,8 @@
 //! | complete scan lines, 0.5 degree | 10.1 mm | 5.6 mm | 0.21 mm |
 //! | interlaced, 0.5 degree | 3.0 mm | 1.1 mm | 0.20 mm |
 //!
-//! `cargo test -p scanseg-sim --test pairing -- --nocapture` prints these figures and asserts them.
+//! `cargo test -p scanseg-virtual-rig --test pairing -- --nocapture` prints these figures and
+//! asserts them.
 
 use core::f32::consts::{PI, TAU};
 

@@ -1,5 +1,6 @@
 //! The frames of the link: the documented bytes, every message through any pieces, and what damage
 //! does.
+#![cfg(feature = "link")]
 
 use proptest::prelude::*;
 use scanseg_hal::link::{

@@ -7,11 +7,12 @@ use scanseg_core::{
     EdgeConfig, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status, buffers,
 };
 use scanseg_hal::Latch;
-use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
-    Baud, Event, MeasuringMode, ScannerEvent, Settings, TelegramDecoder, TelegramError, Trouble, Unit, Variant,
+    Baud, Event, MeasuringMode, SCAN_LINE, ScannerEvent, Settings, TelegramDecoder, TelegramError, Trouble, Unit,
+    Variant,
 };
 use scanseg_hal::rig::{Dropped, End, Rig, RigSink, ScanFinished, ScanStarted, TiltLimits, beams};
+use scanseg_virtual_rig::telegrams::{frame, scan_payload};
 
 const SETTINGS: Settings = Settings {
     baud: Baud::B500000,
@@ -76,14 +77,7 @@ impl RigSink for Seen {
 
 /// A decoder that holds a scan line with these values.
 fn scan_line(values: &[u16]) -> TelegramDecoder {
-    let columns = values.len() as u16;
-    let mut bytes = vec![0x02, 0x80];
-    bytes.extend((2 * columns + 4).to_le_bytes());
-    bytes.push(0xB0);
-    bytes.extend((columns | 1 << 14).to_le_bytes());
-    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    bytes.push(0x10);
-    bytes.extend(check_word(&bytes).to_le_bytes());
+    let bytes = frame(&scan_payload(&[SCAN_LINE], values.len() as u16 | 1 << 14, values, &[], 0x10));
     let mut decoder = TelegramDecoder::new();
     let begun = decoder.feed(&bytes);
     assert_eq!(decoder.feed(&bytes[begun.used..]).event, Event::Telegram { code: 0xB0 });

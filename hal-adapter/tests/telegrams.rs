@@ -1,11 +1,11 @@
 //! Telegrams that scanners and their drivers really sent, byte for byte.
 
 use scanseg_hal::lms2xx::command::{Answer, Command, Configuration, MODE_ANSWER, POWER_ON};
-use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{
     Baud, Beam, Event, MeasuringMode, Reading, ScanLineError, ScanLineFormat, Severity, TelegramDecoder, TelegramError,
     Unit, Variant,
 };
+use scanseg_virtual_rig::telegrams::{frame, scan_payload};
 
 /// All events of these bytes but `NeedMore`.
 fn events(decoder: &mut TelegramDecoder, mut bytes: &[u8]) -> Vec<Event> {
@@ -241,20 +241,8 @@ fn blind_spots_of_the_check_word() {
     assert!(passed > 0, "no decoder can see these");
 }
 
-fn framed(payload: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![0x02, 0x80];
-    bytes.extend((payload.len() as u16).to_le_bytes());
-    bytes.extend(payload);
-    bytes.extend(check_word(&bytes).to_le_bytes());
-    bytes
-}
-
 fn scan_of(count_word: u16, values: usize, status: u8) -> Vec<u8> {
-    let mut payload = vec![0xB0];
-    payload.extend(count_word.to_le_bytes());
-    payload.resize(3 + 2 * values, 0);
-    payload.push(status);
-    framed(&payload)
+    frame(&scan_payload(&[0xB0], count_word, &vec![0; values], &[], status))
 }
 
 fn rejection(bytes: &[u8]) -> Option<TelegramError> {
@@ -269,7 +257,7 @@ fn rejection(bytes: &[u8]) -> Option<TelegramError> {
 fn poor_answers() {
     let answer = |command: Command, payload: &[u8]| {
         let mut decoder = TelegramDecoder::new();
-        telegram(&mut decoder, &framed(payload));
+        telegram(&mut decoder, &frame(payload));
         command.answer(&decoder.telegram().expect("telegram"))
     };
     assert_eq!(answer(Command::Start, &[0xA0, 0x10]), Some(Answer::Refused(0xFF)), "not a word of how it went");
@@ -301,12 +289,12 @@ fn contradictions_are_rejected() {
         let expected = (status & 7 > 4).then_some(TelegramError::Status(status));
         assert_eq!(rejection(&scan_of(181, 181, status)), expected);
     }
-    assert_eq!(rejection(&framed(&[0xB0, 0x01, 0x10])), scan(TooShort { length: 3 }));
+    assert_eq!(rejection(&frame(&[0xB0, 0x01, 0x10])), scan(TooShort { length: 3 }));
     let sub_range = |first: u8, last: u8, count: u8| {
         let mut payload = vec![0xB7, first, 0, last, 0, count, 0x40];
         payload.resize(7 + 2 * usize::from(count), 0);
         payload.push(0x10);
-        rejection(&framed(&payload))
+        rejection(&frame(&payload))
     };
     assert_eq!(sub_range(1, 10, 10), None);
     assert_eq!(sub_range(0, 9, 10), scan(SubRange { first: 0, last: 9 }));

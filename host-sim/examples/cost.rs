@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn error::Error>> {
 
 fn make(rows: usize, columns: usize, kind: &str, file: &str) -> Result<(), Box<dyn error::Error>> {
     let (h_deg, v_deg) = (160.0 / columns as f64, 80.0 / rows as f64);
-    let angles = |n: usize, step: f64| Angles::Even { start: (n as f64 - 1.0) / 2.0 * step, step: -step };
+    let angles = |n: usize, step: f64| Angles::Even { start_deg: (n as f64 - 1.0) / 2.0 * step, step_deg: -step };
     let mut sensor = Sensor::nodding(rows, columns);
     sensor.kind = match (kind, sensor.kind) {
         ("nodding", Kind::Nodding { turn_axis, .. }) => {

@@ -4,12 +4,15 @@
 //! known planes, where they are there.
 //!
 //! `quality` prints all, `quality default` the default on the simulated scenes and the recorded
-//! scans only.
+//! scans only. `quality default RULE=NUMBER ...` changes tuned numbers of the default, as
+//! `tests/ablation.sh` does.
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::str::FromStr;
+use std::sync::OnceLock;
 use std::{env, error, thread};
 
-use scanseg_core::{PlaneConfig, Ranging};
+use scanseg_core::{PlaneConfig, Ranging, Rules};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::hoover::{Hoover, Overlaps};
 use scanseg_sim::office::{SCENES, Scene, Sensor, Set};
@@ -21,10 +24,14 @@ const MIN_PIXELS: usize = 30;
 /// of a row.
 const SEAMS_DEG: f64 = 0.3;
 
+/// The tuned numbers, with those changed that the command line names.
+static RULES: OnceLock<Rules> = OnceLock::new();
+
 type Labels = fn(&RangeImage, &Geometry, &[u16], f32) -> Vec<u16>;
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let all = env::args().nth(1).as_deref() != Some("default");
+    RULES.set(rules(env::args().skip(2))?).expect("set here only");
     let default: Labels = |ranges, geometry, _, noise_m| segmented(ranges, geometry, noise_m);
     let methods: &[(&str, Labels)] = &[
         ("default", default),
@@ -57,6 +64,30 @@ fn main() -> Result<(), Box<dyn error::Error>> {
     recorded()
 }
 
+fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::Error>> {
+    fn set<T: FromStr<Err: error::Error + 'static>>(to: &mut T, number: &str) -> Result<(), Box<dyn error::Error>> {
+        *to = number.parse()?;
+        Ok(())
+    }
+    let mut rules = Rules::TUNED;
+    for change in changes {
+        match change.split_once('=').ok_or("RULE=NUMBER is wanted")? {
+            ("least_noise_m", number) => set(&mut rules.least_noise_m, number)?,
+            ("reach_columns", number) => set(&mut rules.reach_columns, number)?,
+            ("leave_price", number) => set(&mut rules.leave_price, number)?,
+            ("beam_rad2", number) => set(&mut rules.beam_rad2, number)?,
+            ("min_line_pixels", number) => set(&mut rules.min_line_pixels, number)?,
+            ("bent", number) => set(&mut rules.bent, number)?,
+            ("neighbour_rows", number) => set(&mut rules.neighbour_rows, number)?,
+            ("gap_points", number) => set(&mut rules.gap_points, number)?,
+            ("bend_step", number) => set(&mut rules.bend_step, number)?,
+            ("turn_gain", number) => set(&mut rules.turn_gain, number)?,
+            (rule, _) => return Err(format!("no rule {rule}").into()),
+        }
+    }
+    Ok(rules)
+}
+
 /// The classes at T = 0.8 and 0.9 of every scene, two scenes at a time.
 fn scenes(set: Set, sensor: &Sensor, labels: Labels) -> Vec<[Hoover; 2]> {
     let one = |scene| {
@@ -83,7 +114,8 @@ fn classes(truth: &[u16], labels: &[u16]) -> [Hoover; 2] {
 fn segmented(ranges: &RangeImage, geometry: &Geometry, noise_m: f32) -> Vec<u16> {
     let mut ranging = Ranging::new(noise_m);
     ranging.min_range_m = geometry.min_range_m.map_or(ranging.min_range_m, |m| m as f32);
-    let found = Segmentation::of(ranges, geometry, PlaneConfig::new(ranging), None, || ()).expect("a scan that fits");
+    let config = PlaneConfig::new(ranging).with_rules(RULES.get().expect("set at the start"));
+    let found = Segmentation::of(ranges, geometry, config, None, || ()).expect("a scan that fits");
     found.numbers(MIN_PIXELS as u32).iter().map(|&number| number as u16).collect()
 }
 

@@ -39,8 +39,8 @@ pub struct View {
 }
 
 impl View {
-    /// The view in which up (positive z) is up and left (positive y) is left. The geometry must fit
-    /// the image.
+    /// Returns the view in which up (positive z) is up and left (positive y) is left. The geometry
+    /// must fit the image.
     pub fn of(geometry: &Geometry, rows: usize, columns: usize) -> View {
         let transpose = matches!(geometry.kind, Kind::Nodding { turn_axis: TurnAxis::Z, .. });
         let (height, width) = if transpose { (columns, rows) } else { (rows, columns) };
@@ -55,7 +55,7 @@ impl View {
         View { transpose, flip, mirror }
     }
 
-    /// The picture of `colour(i)` for pixel `i = row * columns + column` of the scan.
+    /// Returns the picture of `colour(i)` for pixel `i = row * columns + column` of the scan.
     pub(crate) fn picture(&self, rows: usize, columns: usize, colour: impl Fn(usize) -> Rgb) -> Picture {
         let (height, width) = if self.transpose { (columns, rows) } else { (rows, columns) };
         Picture::from_fn(width, height, |x, y| {
@@ -94,8 +94,8 @@ pub fn overview(scan: &RangeImage, geometry: &Geometry, images: &Images<'_>) -> 
     sheet(&panels.into_iter().map(fit).collect::<Vec<_>>(), across)
 }
 
-/// A simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its depth
-/// side by side. The truth must have the scan's size.
+/// Returns a simulated scan as in the paper's Fig. 6: its truth (surface ids, 0 for none) and its
+/// depth side by side. The truth must have the scan's size.
 pub fn truth_and_depth(scan: &RangeImage, geometry: &Geometry, truth: &[u16]) -> Picture {
     let view = View::of(geometry, scan.rows, scan.columns);
     let (near_m, far_m) = usual_ranges_m(scan);
@@ -113,8 +113,8 @@ pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
     format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue")
 }
 
-/// A picture some whole factor larger or smaller, to a width of `width` and less, or to twice that
-/// at most.
+/// Returns a picture some whole factor larger or smaller, to a width of `width` and less, or to
+/// twice that at most.
 fn fitted(picture: Picture, width: usize) -> Picture {
     let (w, h) = (picture.width(), picture.height());
     let times = (width / w).clamp(1, 8);
@@ -122,7 +122,8 @@ fn fitted(picture: Picture, width: usize) -> Picture {
     if times * parts == 1 { picture } else { picture.scaled(w * times / parts, h * times / parts) }
 }
 
-/// The ranges that 2 % of the returns are nearer, farther than; 0 and 1 m where there is none.
+/// Returns the ranges that 2 % of the returns are nearer, farther than; 0 and 1 m where there is
+/// none.
 pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
     let mut ranges_m: Vec<f32> = scan.range_m.iter().copied().filter(|&m| m > 0.0).collect();
     ranges_m.sort_by(f32::total_cmp);
@@ -151,7 +152,7 @@ mod tests {
     }
 
     fn even(start: f64, step: f64) -> Angles {
-        Angles::Even { start, step }
+        Angles::Even { start_deg: start, step_deg: step }
     }
 
     #[test]
@@ -166,7 +167,7 @@ mod tests {
         let spinning = |azimuth_deg, elevation_deg| view(Kind::Spinning { azimuth_deg, elevation_deg, wraps: true });
         assert_eq!(spinning(even(0.0, 12.0), even(-10.0, 1.0)), (false, true, true));
         assert_eq!(spinning(even(180.0, -12.0), even(10.0, -1.0)), (false, false, false));
-        let pinhole = |fx, fy| view(Kind::Pinhole { fx, fy, cx: 15.0, cy: 10.0, depth: Depth::Z });
+        let pinhole = |fx, fy| view(Kind::Pinhole { fx_px: fx, fy_px: fy, cx_px: 15.0, cy_px: 10.0, depth: Depth::Z });
         assert_eq!(pinhole(30.0, 30.0), (false, false, false));
         assert_eq!(pinhole(-30.0, -30.0), (false, true, true));
     }

@@ -25,13 +25,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour. A side of 0 is made 1, as no file holds an empty picture.
+    /// Returns a picture of one colour. A side of 0 is made 1, as no file holds an empty picture.
     pub fn new(width: usize, height: usize, colour: Rgb) -> Picture {
         let (width, height) = (width.max(1), height.max(1));
         Picture { width, height, rgb: colour.repeat(width * height) }
     }
 
-    /// A picture of `colour(x, y)` for each pixel; sides as in [`Picture::new`].
+    /// Returns a picture of `colour(x, y)` for each pixel; sides as in [`Picture::new`].
     pub fn from_fn(width: usize, height: usize, mut colour: impl FnMut(usize, usize) -> Rgb) -> Picture {
         let mut picture = Picture::new(width, height, BLACK);
         for (i, pixel) in picture.rgb.chunks_exact_mut(3).enumerate() {
@@ -102,7 +102,7 @@ impl Picture {
         }
     }
 
-    /// The picture in another size, each pixel that of the nearest one; sides as in
+    /// Returns the picture in another size, each pixel that of the nearest one; sides as in
     /// [`Picture::new`].
     pub fn scaled(&self, width: usize, height: usize) -> Picture {
         let (width, height) = (width.max(1), height.max(1));
@@ -114,7 +114,7 @@ impl Picture {
         })
     }
 
-    /// A PNG file of the picture.
+    /// Returns a PNG file of the picture.
     ///
     /// # Panics
     /// If a side is above 2^31 - 1.

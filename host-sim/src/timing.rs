@@ -55,7 +55,7 @@ impl Timing {
         Ok(Timing { ns_per_point, segments })
     }
 
-    /// The median round, nanoseconds per point.
+    /// Returns the median round, nanoseconds per point.
     pub fn median_ns(&self) -> f64 {
         let ns = &self.ns_per_point;
         (ns[(ns.len() - 1) / 2] + ns[ns.len() / 2]) / 2.0

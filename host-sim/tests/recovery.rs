@@ -72,10 +72,10 @@ fn rig(config: AnyConfig<'static>) -> Rig<'static, AnySegmenter<'static>> {
 
 type Trial = Chain<'static, AnySegmenter<'static>>;
 
-/// Whatever has gone wrong, the next whole scan is, bit for bit, that of a rig that has seen
-/// nothing before.
-#[test]
-fn the_next_scan_is_that_of_a_fresh_rig() {
+/// What goes wrong.
+type Fault = Box<dyn Fn(&mut Trial)>;
+
+fn faults() -> [(&'static str, Fault); 11] {
     let wires = |faults: WireFaults| move |chain: &mut Trial| chain.lms.wires.faults = faults;
     let encoder = |fault: EncoderFault| move |chain: &mut Trial| chain.encoder_fault = fault;
     let reset = |baud: Baud| {
@@ -88,10 +88,9 @@ fn the_next_scan_is_that_of_a_fresh_rig() {
     let everything = |chain: &mut Trial| {
         chain.lms.wires.faults =
             WireFaults { drop_one_in: 1000, flip_one_in: 1000, insert_one_in: 1000, burst_one_in: 10_000 };
-        chain.encoder_fault = EncoderFault::Off(0.4);
+        chain.encoder_fault = EncoderFault::Off { by_rad: 0.4 };
     };
-    type Cause = Box<dyn Fn(&mut Trial)>;
-    let faults: [(&str, Cause); 11] = [
+    [
         ("loss", Box::new(wires(WireFaults { drop_one_in: 100, ..none }))),
         ("flips", Box::new(wires(WireFaults { flip_one_in: 100, ..none }))),
         ("insertions", Box::new(wires(WireFaults { insert_one_in: 100, ..none }))),
@@ -101,9 +100,62 @@ fn the_next_scan_is_that_of_a_fresh_rig() {
         ("silence", Box::new(|chain: &mut Trial| chain.lms.fall_silent(chain.now_us()))),
         ("stuck", Box::new(encoder(EncoderFault::Stuck))),
         ("dead", Box::new(encoder(EncoderFault::Dead))),
-        ("jump", Box::new(encoder(EncoderFault::Off(-0.3)))),
+        ("jump", Box::new(encoder(EncoderFault::Off { by_rad: -0.3 }))),
         ("everything", Box::new(everything)),
-    ];
+    ]
+}
+
+/// A chain that looks at a scene.
+fn trial(config: AnyConfig<'static>, scene: &Rc<Scene>) -> Trial {
+    let motion: Motion = Rc::new(to_and_fro);
+    let scene = Rc::clone(scene);
+    let range_m = move |bearing_deg: f64, turn_rad: f64| {
+        let bearing_rad = bearing_deg * PI / 180.0 - PI / 2.0;
+        let (across, along) = bearing_rad.sin_cos();
+        let direction = [along * turn_rad.cos(), across, along * turn_rad.sin()];
+        scene.cast(direction).map_or(0.0, |(range_m, _)| range_m)
+    };
+    let lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(Baud::B500000, SETTINGS.variant);
+    Chain::new(SETTINGS, lms, motion, rig(config))
+}
+
+/// Runs the chain through a fault and some scans more. Returns the last of them, and all that came
+/// since the fault was over.
+fn run_through(chain: &mut Trial, fault: &Fault, name: &str) -> (Vec<String>, Vec<Arrival>) {
+    let (mut told, mut came) = (Told::default(), vec![]);
+    let mut run = |chain: &mut Trial, until: &dyn Fn(&Trial, &Told) -> bool| {
+        came.clear();
+        while !until(chain, &told) {
+            came.push(chain.step(&mut told));
+            assert!(chain.now_us() < 60_000_000, "{name}: {:?}", chain.rig.counters());
+        }
+    };
+    run(chain, &|chain, told| chain.rig.counters().rows > 250 && told.now.len() > 50);
+    fault(chain);
+    let end_us = chain.now_us() + 1_500_000;
+    run(chain, &|chain, _| chain.now_us() > end_us);
+    chain.lms.wires.faults = WireFaults::default();
+    chain.encoder_fault = EncoderFault::None;
+    let scans = chain.rig.counters().scans;
+    run(chain, &|chain, _| chain.rig.counters().scans == scans + 4);
+    (told.over.pop().unwrap(), came)
+}
+
+/// What a fresh rig makes of the same: the last scan.
+fn by_fresh_rig(config: AnyConfig<'static>, came: &[Arrival]) -> Vec<String> {
+    let (mut rig, mut told) = (rig(config), Told::default());
+    let mut session = Session::listening(SETTINGS);
+    for came in came.iter().filter(|came| !came.bytes.is_empty()) {
+        rig.tilt(came.latch);
+        rig.receive(&mut session, &came.bytes, came.time_us, &mut told);
+    }
+    told.over.pop().unwrap()
+}
+
+/// Whatever has gone wrong, the next whole scan is, bit for bit, that of a rig that has seen
+/// nothing before.
+#[test]
+fn the_next_scan_is_that_of_a_fresh_rig() {
     let scene = Rc::new(Scene::numbered(Set::Tuning, 4));
     let ranging = Ranging::new(0.005);
     let configs: [AnyConfig<'_>; 3] = [
@@ -113,44 +165,10 @@ fn the_next_scan_is_that_of_a_fresh_rig() {
     ];
     for config in configs {
         let approach = config.approach();
-        for (name, fault) in &faults {
-            let motion: Motion = Rc::new(to_and_fro);
-            let scene = Rc::clone(&scene);
-            let range_m = move |bearing_deg: f64, turn_rad: f64| {
-                let bearing_rad = bearing_deg * PI / 180.0 - PI / 2.0;
-                let (across, along) = bearing_rad.sin_cos();
-                let direction = [along * turn_rad.cos(), across, along * turn_rad.sin()];
-                scene.cast(direction).map_or(0.0, |(range_m, _)| range_m)
-            };
-            let lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(Baud::B500000, SETTINGS.variant);
-            let mut chain = Chain::new(SETTINGS, lms, motion, rig(config));
-            let mut told = Told::default();
-            let mut came: Vec<Arrival> = vec![];
-            let mut run = |chain: &mut Trial, until: &dyn Fn(&Trial, &Told) -> bool| {
-                came.clear();
-                while !until(chain, &told) {
-                    came.push(chain.step(&mut told));
-                    assert!(chain.now_us() < 60_000_000, "{name}: {:?}", chain.rig.counters());
-                }
-            };
-            run(&mut chain, &|chain, told| chain.rig.counters().rows > 250 && told.now.len() > 50);
-            fault(&mut chain);
-            let end_us = chain.now_us() + 1_500_000;
-            run(&mut chain, &|chain, _| chain.now_us() > end_us);
-            chain.lms.wires.faults = none;
-            chain.encoder_fault = EncoderFault::None;
-            let scans = chain.rig.counters().scans;
-            run(&mut chain, &|chain, _| chain.rig.counters().scans == scans + 4);
-
-            let (mut fresh, mut fresh_told) = (rig(config), Told::default());
-            let mut session = Session::listening(SETTINGS);
-            for came in came.iter().filter(|came| !came.bytes.is_empty()) {
-                fresh.tilt(came.latch);
-                fresh.receive(&mut session, &came.bytes, came.time_us, &mut fresh_told);
-            }
-            let (scan, fresh_scan) = (told.over.last().unwrap(), fresh_told.over.last().unwrap());
+        for (name, fault) in &faults() {
+            let (scan, came) = run_through(&mut trial(config, &scene), fault, name);
             println!("{approach:?}, after {name}: {} rows and events", scan.len());
-            assert!(scan.len() > 150 && scan == fresh_scan, "{approach:?}, after {name}");
+            assert!(scan.len() > 150 && scan == by_fresh_rig(config, &came), "{approach:?}, after {name}");
         }
     }
 }

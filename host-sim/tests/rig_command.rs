@@ -1,10 +1,10 @@
 //! `scanseg rig`, `replay` and `listen` as processes.
 
+mod program;
 mod recorded;
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
 
 use scanseg_core::{EdgeConfig, Trace};
 use scanseg_formats::RangeImage;
@@ -13,33 +13,8 @@ use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_sim::segmentation::Segmentation;
 
+use program::{fails, folder, scanseg, succeeds};
 use recorded::recorded;
-
-fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn scanseg(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanseg"));
-    command.current_dir(folder).args(arguments.split_whitespace()).stdin(Stdio::null()).output().unwrap()
-}
-
-fn succeeds(folder: &Path, arguments: &str) -> String {
-    let output = scanseg(folder, arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && stderr.is_empty(), "{arguments}: {stderr}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn fails(folder: &Path, arguments: &str, says: &str) {
-    let output = scanseg(folder, arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), stderr.lines().count()), (Some(2), 1), "{arguments}: {stderr}");
-    assert!(stderr.contains(says) && output.stdout.is_empty(), "{arguments}: {says} is not in: {stderr}");
-}
 
 /// Segments in a file of frames, in the order in which they came.
 fn segments(path: &Path) -> Vec<SegmentReport> {
@@ -192,7 +167,7 @@ fn failures() {
             assert_eq!(output.status.code(), Some(2));
             assert!(String::from_utf8(output.stderr).unwrap().contains(says));
         } else {
-            fails(&folder, arguments, says);
+            fails(&folder, arguments, &[says]);
         }
     }
     assert!(!folder.join("nowhere").exists());

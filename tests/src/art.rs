@@ -1,7 +1,7 @@
 //! Images as text, so that a failing test shows two pictures.
 //!
-//! A row is a line between two bars; `#` is a set bit or an edge, `.` a clear bit or a pixel of an area, a blank a pixel
-//! without a return, and a letter or digit the label of an area:
+//! A row is a line between two bars; `#` is a set bit or an edge, `.` a clear bit or a pixel of an
+//! area, a blank a pixel without a return, and a letter or digit the label of an area:
 //!
 //! ```
 //! use scanseg_tests::art::Picture;
@@ -34,8 +34,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Reads a picture. Blank lines, and blanks around a line, do not count. Panics if a line is not between bars or
-    /// is not as long as the others.
+    /// Reads a picture. Blank lines, and blanks around a line, do not count. Panics if a line is
+    /// not between bars or is not as long as the others.
     pub fn parse(art: &str) -> Self {
         let row = |line| str::strip_prefix(line, '|').and_then(|line| line.strip_suffix('|'));
         let lines = art.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -56,8 +56,8 @@ impl Picture {
         Self::new(columns, classes.iter().map(|&class| class_pixel(class)).collect())
     }
 
-    /// A picture of labels: 1 is `a`, 26 `z`, then capitals and digits; above 62 all are `*`. Pixels with label 0 show
-    /// their class.
+    /// A picture of labels: 1 is `a`, 26 `z`, then capitals and digits; above 62 all are `*`.
+    /// Pixels with label 0 show their class.
     pub fn labels(columns: usize, classes: &[Class], labels: &[u32]) -> Self {
         let pixel = |(&class, &label): (&Class, &u32)| match label {
             0 => class_pixel(class),
@@ -129,8 +129,8 @@ impl fmt::Debug for Picture {
     }
 }
 
-/// The same labeling with labels 1, 2, ... in the order in which they first appear; 0 stays. Two labelings are equal
-/// up to renumbering where these are equal.
+/// The same labeling with labels 1, 2, ... in the order in which they first appear; 0 stays. Two
+/// labelings are equal up to renumbering where these are equal.
 pub fn canonical(labels: &[u32]) -> Vec<u32> {
     let mut numbers = HashMap::from([(0, 0)]);
     let mut number = |label| {

@@ -1,5 +1,6 @@
-//! The five classes of Hoover et al. 1996, straight from the definitions and in whole numbers: every ratio is a
-//! multiple of 1 / [`UNIT`], so averages are compared exactly. For images of at most 64 pixels.
+//! The five classes of Hoover et al. 1996, straight from the definitions and in whole numbers:
+//! every ratio is a multiple of 1 / [`UNIT`], so averages are compared exactly. For images of at
+//! most 64 pixels.
 
 /// Least common multiple of 1 to 64: every ratio of two areas is a whole number of 1 / `UNIT`.
 pub const UNIT: u128 = lcm_to(64);
@@ -7,8 +8,8 @@ pub const UNIT: u128 = lcm_to(64);
 /// An instance: class (0 correct, 1 over-segmented, 2 under-segmented), truth ids, segment ids.
 pub type Instance = (u8, Vec<u16>, Vec<u16>);
 
-/// The instances that stand, best first; the missed truth regions; the noise segments; how many instances conflicts
-/// have dropped.
+/// The instances that stand, best first; the missed truth regions; the noise segments; how many
+/// instances conflicts have dropped.
 pub type Classes = (Vec<Instance>, Vec<u16>, Vec<u16>, usize);
 
 const fn lcm_to(last: u128) -> u128 {

@@ -6,3 +6,8 @@ pub mod order;
 pub mod reference;
 pub mod scenes;
 pub mod stream;
+
+/// Compiles the example of the project's README.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -27,11 +27,14 @@ pub struct Life {
 
 impl Record {
     /// Asserts what is promised of a scan of `rows` rows that was not broken off:
-    /// - for each row pushed come its edges, its joins, the segments that it completes, its labels, in this order;
-    /// - labels are 1, 2, 3, ... and a row begins the next ones without a gap; new ones show in it or are joined in it;
-    /// - a join ends a greater label in favour of a smaller one; both have begun and neither was joined before;
-    /// - the labels of a row are those of areas that live: a segment that was reported lives again only by a join of this
-    ///   row that names it;
+    /// - for each row pushed come its edges, its joins, the segments that it completes, its labels,
+    ///   in this order;
+    /// - labels are 1, 2, 3, ... and a row begins the next ones without a gap; new ones show in it
+    ///   or are joined in it;
+    /// - a join ends a greater label in favour of a smaller one; both have begun and neither was
+    ///   joined before;
+    /// - the labels of a row are those of areas that live: a segment that was reported lives again
+    ///   only by a join of this row that names it;
     /// - a segment is complete the row after its last one, lived until then, and has its pixels;
     /// - reported again it has all that it had before;
     /// - in the end every label was joined or reported.

@@ -1,4 +1,5 @@
-//! Scans of all kinds for properties and fuzzing: rooms, patterns that stress the labels, noise, holes.
+//! Scans of all kinds for properties and fuzzing: rooms, patterns that stress the labels, noise,
+//! holes.
 
 use crate::stream::{Angles, Rig, Scan};
 use scanseg_core::TurnAxis;
@@ -29,7 +30,8 @@ fn choose<T: Copy>(seed: u64, what: usize, from: &[T]) -> T {
     from[(uniform(seed, 1 << 20, what) * from.len() as f64) as usize]
 }
 
-/// Patterns that stress the labels: whether a pixel is ground or wall. `cell` is the width of their parts.
+/// Patterns that stress the labels: whether a pixel is ground or wall. `cell` is the width of their
+/// parts.
 const PATTERNS: [fn(&Shape, usize, usize) -> bool; 8] = [
     // checkerboard: the most live labels
     |s, r, c| (r / s.cell + c / s.cell).is_multiple_of(2),

@@ -1,4 +1,5 @@
-//! Scans for the streaming segmenter: the same scan for it and for the reference, and a record of what it reports.
+//! Scans for the streaming segmenter: the same scan for it and for the reference, and a record of
+//! what it reports.
 
 use crate::reference::beams::{Beams as ReferenceBeams, TurnAxis as ReferenceAxis};
 use crate::reference::closing::Element as ReferenceElement;
@@ -147,7 +148,8 @@ impl Scan {
         segment_counts(&self.image(&config.ranging), &self.reference_beams(), &settings(config), counts)
     }
 
-    /// Everything that a fresh segmenter of this configuration, with a table of `areas` live labels, reports.
+    /// Everything that a fresh segmenter of this configuration, with a table of `areas` live
+    /// labels, reports.
     pub fn record<'a>(&'a self, config: impl Into<AnyConfig<'a>>, areas: usize) -> Record {
         let config = config.into();
         let mut room = Room::new(self.columns, config, areas);
@@ -171,7 +173,8 @@ impl Scan {
     }
 }
 
-/// The settings of the reference that are those of a configuration; thresholds round as in the core.
+/// The settings of the reference that are those of a configuration; thresholds round as in the
+/// core.
 pub fn settings(config: &EdgeConfig) -> Settings {
     Settings {
         traces: config.traces.iter().map(|&trace| reference_trace(trace)).collect(),
@@ -310,16 +313,19 @@ impl Record {
     }
 
     /// Asserts what is promised of the order of events in a scan that was not broken off:
-    /// - after row r is pushed come the edges of row r - 1, then joins and segments, then the labels of row
-    ///   r - [`MAX_LATENCY_ROWS`];
+    /// - after row r is pushed come the edges of row r - 1, then joins and segments, then the
+    ///   labels of row r - [`MAX_LATENCY_ROWS`];
     /// - labels are 1, 2, 3, ... and a row begins the next ones without a gap;
-    /// - a join ends a greater label in favour of a smaller one that lives, and a label that has ended comes no more;
-    /// - a segment is complete the row after its last one, and every label ends in a join or a segment.
+    /// - a join ends a greater label in favour of a smaller one that lives, and a label that has
+    ///   ended comes no more;
+    /// - a segment is complete the row after its last one, and every label ends in a join or a
+    ///   segment.
     pub fn assert_order(&self, rows: usize) {
         self.assert_order_of(rows, MAX_LATENCY_ROWS, MAX_LATENCY_ROWS);
     }
 
-    /// [`Record::assert_order`] for the region-based approach, where everything of row r comes as it is pushed.
+    /// [`Record::assert_order`] for the region-based approach, where everything of row r comes as
+    /// it is pushed.
     pub fn assert_order_of_regions(&self, rows: usize) {
         self.assert_order_of(rows, 0, 1);
     }

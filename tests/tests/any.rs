@@ -1,4 +1,5 @@
-//! What holds of all approaches alike: chosen at run time they do what they do by themselves, and every sink is told all.
+//! What holds of all approaches alike: chosen at run time they do what they do by themselves, and
+//! every sink is told all.
 
 mod common;
 
@@ -11,7 +12,8 @@ use scanseg_core::{
 use scanseg_tests::scenes::scan_of;
 use scanseg_tests::stream::{Event, Record, Room, Scan};
 
-/// Everything that can be done with a segmenter: a scan that is dropped, one that is broken off, a whole one.
+/// Everything that can be done with a segmenter: a scan that is dropped, one that is broken off, a
+/// whole one.
 fn use_all(scan: &Scan, other: &Scan, break_at: usize, segmenter: &mut impl Segmenter) -> [Record; 3] {
     let mut dropped = Record::default();
     for row in 0..other.turn_rad.len() {
@@ -88,8 +90,8 @@ fn a_configuration_knows_its_approach() {
     assert_eq!(configs().map(|config| config.sizes(77)), sizes);
 }
 
-/// Row r is given out when row r + 3 is pushed, and the last three when the scan is finished; by the other approaches at
-/// once. No approach waits for more rows than is said.
+/// Row r is given out when row r + 3 is pushed, and the last three when the scan is finished; by
+/// the other approaches at once. No approach waits for more rows than is said.
 #[test]
 fn latency() {
     let scan = eventful();
@@ -112,6 +114,24 @@ fn latency() {
         assert_eq!(rows_given(&record), rows);
     }
     assert_eq!(longest, MAX_LATENCY_ROWS);
+}
+
+/// Debug output of a segmenter tells what is set and how far the scan has come.
+#[test]
+fn segmenters_as_text() {
+    let scan = eventful();
+    for (config, name) in configs().into_iter().zip(["Plane", "Edge", "Region"]) {
+        let mut room = Room::new(scan.columns, config, 4);
+        let mut segmenter = AnySegmenter::new(config, scan.beams(), scan.columns, room.memory()).unwrap();
+        for row in 0..2 {
+            segmenter.push_row(scan.row_m(row), scan.turn_rad[row], &mut Record::default()).unwrap();
+        }
+        let text = format!("{segmenter:?}");
+        for part in [&format!("{name}Segmenter"), "range_noise_m: 0.02", "columns: 40", "rows: 2"] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        assert!(text.len() < 1000, "{text}");
+    }
 }
 
 /// A sink behind a reference, and one of a type that is not known, is told what any sink is.

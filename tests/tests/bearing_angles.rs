@@ -27,14 +27,16 @@ impl Errors {
     }
 }
 
-/// Every beam angle in 0.05 deg steps to 10 deg, those of the usual scanners among them, and some up to 120 deg.
+/// Every beam angle in 0.05 deg steps to 10 deg, those of the usual scanners among them, and some
+/// up to 120 deg.
 fn beam_angles_deg() -> impl Iterator<Item = f64> {
     let fine = (1..=200).map(|i| f64::from(i) * 0.05);
     fine.chain([0.01, 0.1125, 0.3515625, 12.0, 20.0, 30.0, 45.0, 60.0, 89.9, 90.0, 90.1, 120.0])
 }
 
-/// `bearing_angle_rad` errs by less than `MAX_ERROR_RAD` from 0.1 m to 80 m: for surfaces at any angle of incidence,
-/// from perpendicular to grazing by 0.01 deg, and for jumps between any two ranges.
+/// `bearing_angle_rad` errs by less than `MAX_ERROR_RAD` from 0.1 m to 80 m: for surfaces at any
+/// angle of incidence, from perpendicular to grazing by 0.01 deg, and for jumps between any two
+/// ranges.
 #[test]
 fn error_of_one_angle() {
     let (mut surfaces, mut jumps) = (Errors::default(), Errors::default());
@@ -110,7 +112,8 @@ fn rigs(columns: usize) -> Vec<Rig> {
     ]
 }
 
-/// The whole chain from ranges and row angles to counts agrees with the reference: beams of every kind, every trace.
+/// The whole chain from ranges and row angles to counts agrees with the reference: beams of every
+/// kind, every trace.
 #[test]
 fn whole_chain() {
     let columns = 181;
@@ -156,8 +159,8 @@ fn whole_chain() {
     assert!(none > 1000);
 }
 
-/// Rows that are far apart, as where a scanner skips some: along a column the angle between two beams is that of their
-/// turns, up to a right angle and beyond.
+/// Rows that are far apart, as where a scanner skips some: along a column the angle between two
+/// beams is that of their turns, up to a right angle and beyond.
 #[test]
 fn rows_far_apart() {
     let columns = 61;

@@ -1,4 +1,5 @@
-//! Small scans with their edges and labels as pictures: `#` is an edge, a letter a label, a blank no return.
+//! Small scans with their edges and labels as pictures: `#` is an edge, a letter a label, a blank
+//! no return.
 
 use scanseg_core::{EdgeConfig, Element, Join, Label, Pixel, Ranging, Trace, live_labels};
 use scanseg_tests::art::Picture;
@@ -50,8 +51,9 @@ fn joins(scan: &Scan, config: &EdgeConfig) -> Vec<Join> {
     record(scan, config).events.into_iter().filter_map(join).collect()
 }
 
-/// The corner of the walls x = 2 and y = 2, at 45 deg between columns 3 and 4: the horizontal bearing angle is 44 deg
-/// more for the pair across it and 88 deg more from there on, so Sobel marks columns 3 to 5.
+/// The corner of the walls x = 2 and y = 2, at 45 deg between columns 3 and 4: the horizontal
+/// bearing angle is 44 deg more for the pair across it and 88 deg more from there on, so Sobel
+/// marks columns 3 to 5.
 #[test]
 fn corner() {
     let scan = scanner(5, 9, 45.5, |[x, y, _]| (2.0 / x).min(2.0 / y));
@@ -71,8 +73,9 @@ fn corner() {
     assert_eq!(labels(&scan, &CONFIG), Picture::parse(art));
 }
 
-/// A step: the wall x = 3, and 1 m before it another one that ends to the left, at column 4. Along the row the bearing
-/// angle is near 0 at column 5, the first one behind: a step edge; and Sobel marks it and its neighbours.
+/// A step: the wall x = 3, and 1 m before it another one that ends to the left, at column 4. Along
+/// the row the bearing angle is near 0 at column 5, the first one behind: a step edge; and Sobel
+/// marks it and its neighbours.
 #[test]
 fn step() {
     let scan = scanner(5, 10, 0.0, |[x, y, _]| if y < 0.0 { 2.0 / x } else { 3.0 / x });
@@ -99,8 +102,8 @@ fn step() {
     assert_eq!(labels(&scan, &CONFIG), Picture::parse(art));
 }
 
-/// A gap of one pixel in an edge. Closing with the plus leaves it open, and the two sides are one area; the square seals
-/// it.
+/// A gap of one pixel in an edge. Closing with the plus leaves it open, and the two sides are one
+/// area; the square seals it.
 #[test]
 fn gap_in_an_edge() {
     let scan = drawn(
@@ -134,7 +137,8 @@ fn gap_in_an_edge() {
     assert_eq!(labels(&scan, &JUMPS.with_closing(Element::Square)), Picture::parse(art));
 }
 
-/// A U: its arms are two areas until its bottom joins them, in the row from which on they have one label.
+/// A U: its arms are two areas until its bottom joins them, in the row from which on they have one
+/// label.
 #[test]
 fn join_of_a_u() {
     let scan = drawn(
@@ -161,7 +165,8 @@ fn join_of_a_u() {
         |aaaaaaaaa|";
     assert_eq!(labels(&scan, &JUMPS), Picture::parse(art));
 
-    // what happens when: the row of the join comes after it, the segment between the arms once nothing touches it
+    // what happens when: the row of the join comes after it, the segment between the arms once
+    // nothing touches it
     let told: Vec<_> = record(&scan, &JUMPS).events.iter().filter_map(tell).collect();
     let expected = ["row 0", "row 1", "2 ends at row 1", "row 2", "3 joins 1", "row 3", "row 4", "1 ends at row 4"];
     assert_eq!(told, expected);
@@ -176,7 +181,8 @@ fn tell(event: &Event) -> Option<String> {
     }
 }
 
-/// The border of the image is no edge, though the first row and column have no bearing angles: a wall in one piece.
+/// The border of the image is no edge, though the first row and column have no bearing angles: a
+/// wall in one piece.
 #[test]
 fn border() {
     let scan = scanner(4, 6, 0.0, |[x, _, _]| 3.0 / x);
@@ -202,8 +208,8 @@ fn hole_without_a_return() {
     assert_eq!(labels(&scan, &CONFIG), Picture::parse(art));
 }
 
-/// A round room with a pillar, seen by a spinning lidar of 40 columns: across the seam the wall goes on if the image
-/// wraps, and only then.
+/// A round room with a pillar, seen by a spinning lidar of 40 columns: across the seam the wall
+/// goes on if the image wraps, and only then.
 #[test]
 fn wall_across_the_seam() {
     let scan = |wraps| {
@@ -222,8 +228,8 @@ fn wall_across_the_seam() {
     assert_eq!(labels(&scan(false), &JUMPS), Picture::parse(&art));
     assert_eq!(joins(&scan(false), &JUMPS), []);
 
-    // a jump right at the seam: an edge at column 0, which the first pixel of the row can only see across the seam; with
-    // 9 deg between columns the line from 5 m to 1 m is at 11 deg to the beam
+    // a jump right at the seam: an edge at column 0, which the first pixel of the row can only see
+    // across the seam; with 9 deg between columns the line from 5 m to 1 m is at 11 deg to the beam
     let config = JUMPS.with_step_angle_rad(15.0 * PI / 180.0);
     let jump = |wraps| {
         let scan = scan(wraps);

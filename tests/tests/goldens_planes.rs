@@ -1,4 +1,5 @@
-//! Small scans and their planes as pictures: `#` is a return in no area, a letter a label, a blank no return.
+//! Small scans and their planes as pictures: `#` is a return in no area, a letter a label, a blank
+//! no return.
 
 use scanseg_core::{Join, Label, Pixel, PlaneConfig, Ranging, live_labels};
 use scanseg_tests::art::{Picture, canonical};
@@ -59,8 +60,8 @@ fn noisy(mut scan: Scan, sigma_m: f64, seed: u64) -> Scan {
     scan
 }
 
-/// A wall with noise of 10 mm is one piece, to the pixel, whatever the noise: an error of 3.5 standard deviations is no
-/// reason to leave a plane.
+/// A wall with noise of 10 mm is one piece, to the pixel, whatever the noise: an error of 3.5
+/// standard deviations is no reason to leave a plane.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn wall_in_noise() {
@@ -79,7 +80,8 @@ fn corner() {
     assert_eq!(labels(&scan, &CONFIG), Picture::parse(&"|aaaabbbbb|\n".repeat(5)));
 }
 
-/// A floor 1 m below the scanner and a wall 3 m away, which meet at -18.4 deg, between rows 5 and 6.
+/// A floor 1 m below the scanner and a wall 3 m away, which meet at -18.4 deg, between rows 5 and
+/// 6.
 #[test]
 fn floor_and_wall() {
     let scan = floor_and_wall_of(7, 2.0, 0.0);
@@ -96,9 +98,10 @@ fn floor_and_wall_of(columns: usize, step_deg: f32, yaw_deg: f64) -> Scan {
     Scan::of(columns, turn_rad, rig, range_m)
 }
 
-/// What the correction of the turn cannot tell: a wall that is square to the scanner, and of which a whole row comes at
-/// once, from a floor whose rows are turned farther than they say, by up to 4 deg. A floor of 50 points is believed so far.
-/// A wall that stands at 10 deg is told apart, but for its row in the corner.
+/// What the correction of the turn cannot tell: a wall that is square to the scanner, and of which
+/// a whole row comes at once, from a floor whose rows are turned farther than they say, by up to 4
+/// deg. A floor of 50 points is believed so far. A wall that stands at 10 deg is told apart, but
+/// for its row in the corner.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn square_wall_that_looks_like_a_turn() {
@@ -122,8 +125,8 @@ fn step_of_5_cm() {
     }
 }
 
-/// A board before a wall, over its whole width for some rows: the wall comes back as another area, and joins the one that
-/// was reported, once it is large enough.
+/// A board before a wall, over its whole width for some rows: the wall comes back as another area,
+/// and joins the one that was reported, once it is large enough.
 #[test]
 fn wall_behind_a_board() {
     let scan = scanner(15, 9, 0.0, |[x, _, z]| if z.abs() < 0.05 { 2.0 / x } else { 3.0 / x });
@@ -145,8 +148,8 @@ fn wall_behind_a_board() {
     assert_eq!(reports, [(1, 45, 0, 4), (2, 45, 5, 9), (1, 90, 0, 14)]);
 }
 
-/// With room for two areas only, the wall that has ended is forgotten when it comes back: it is another one. With room for
-/// three it is not.
+/// With room for two areas only, the wall that has ended is forgotten when it comes back: it is
+/// another one. With room for three it is not.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn forgotten_wall() {
@@ -158,8 +161,8 @@ fn forgotten_wall() {
     assert_eq!(labels_with(&scan, &CONFIG, 3), Picture::parse(&art));
 }
 
-/// One pixel off by 3 standard deviations stays in its wall; one that is far off leaves alone, and takes nothing with it.
-/// Eight are a surface where they last.
+/// One pixel off by 3 standard deviations stays in its wall; one that is far off leaves alone, and
+/// takes nothing with it. Eight are a surface where they last.
 #[test]
 fn outliers() {
     let mut scan = scanner(8, 14, 0.0, |[x, _, _]| 3.0 / x);
@@ -215,7 +218,8 @@ fn small_fold() {
     }
 }
 
-/// A floor; from row 20 on the scanner is turned 0.5 deg more than it says. The floor stays one piece.
+/// A floor; from row 20 on the scanner is turned 0.5 deg more than it says. The floor stays one
+/// piece.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn seam_of_a_servo() {
@@ -241,8 +245,9 @@ fn seam_of_a_servo() {
     }
 }
 
-/// A window in a wall: no return, and no gap in the wall. What follows no pixel above it begins an area, which joins the
-/// wall in its second row; below a window of four columns it has no second row.
+/// A window in a wall: no return, and no gap in the wall. What follows no pixel above it begins an
+/// area, which joins the wall in its second row; below a window of four columns it has no second
+/// row.
 #[test]
 fn hole_without_a_return() {
     let hole = |columns: std::ops::Range<usize>| {
@@ -267,8 +272,9 @@ fn hole_without_a_return() {
     assert_eq!(narrow.pixels.iter().filter(|&&pixel| pixel == 'a').count(), 12 * 8 - 2 * 4 - 2, "{narrow}");
 }
 
-/// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one by its neighbours, in the second
-/// row, if the image wraps. If not, it is one as soon as both of its parts have 20 points.
+/// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one by its
+/// neighbours, in the second row, if the image wraps. If not, it is one as soon as both of its
+/// parts have 20 points.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]
 fn wall_across_the_seam() {

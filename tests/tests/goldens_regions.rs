@@ -1,4 +1,5 @@
-//! Small scans and their regions as pictures: `#` is a pixel on no line, a letter a label, a blank no return.
+//! Small scans and their regions as pictures: `#` is a pixel on no line, a letter a label, a blank
+//! no return.
 
 use scanseg_core::{Join, Label, Pixel, Ranging, RegionConfig, TurnAxis, live_labels};
 use scanseg_tests::art::Picture;
@@ -38,7 +39,8 @@ fn joins(scan: &Scan) -> Vec<Join> {
     record(scan).events.into_iter().filter_map(join).collect()
 }
 
-/// The corner of the walls x = 2 and y = 2, at 45 deg between columns 3 and 4: both of these turn, and every pixel is kept.
+/// The corner of the walls x = 2 and y = 2, at 45 deg between columns 3 and 4: both of these turn,
+/// and every pixel is kept.
 #[test]
 fn corner() {
     let scan = scanner(5, 9, 45.5, |[x, y, _]| (2.0 / x).min(2.0 / y));
@@ -61,8 +63,8 @@ fn step() {
     assert_eq!(labels(&scan), Picture::parse(&"|aaaaabbbbb|\n".repeat(5)));
 }
 
-/// A slat of two pixels, and one of one pixel, before a wall: two pixels that both turn are on no line, and neither is a
-/// single one.
+/// A slat of two pixels, and one of one pixel, before a wall: two pixels that both turn are on no
+/// line, and neither is a single one.
 #[test]
 fn slats() {
     let scan = scanner(3, 14, 0.0, |[x, y, _]| {
@@ -72,8 +74,8 @@ fn slats() {
     assert_eq!(labels(&scan), Picture::parse(&"|aaaa##bbbb#ccc|\n".repeat(3)));
 }
 
-/// A wall and before it a board that hangs from above: what is to its left and to its right is one only from the row on
-/// in which one line is in both planes.
+/// A wall and before it a board that hangs from above: what is to its left and to its right is one
+/// only from the row on in which one line is in both planes.
 #[test]
 fn join_of_a_u() {
     let board = |[x, y, z]: [f64; 3]| y.abs() < 0.05 * x && z < -0.5f64.to_radians().sin();
@@ -90,13 +92,14 @@ fn join_of_a_u() {
     assert_eq!(joins(&scan), [Join { from: Label(3), into: Label(1) }]);
 }
 
-/// Two walls that lean to either side of a line, which is the last row: it is in the planes of both, which are of the same
-/// size, and the left one gets it. The two are no one plane.
+/// Two walls that lean to either side of a line, which is the last row: it is in the planes of
+/// both, which are of the same size, and the left one gets it. The two are no one plane.
 #[test]
 fn equal_regions() {
     let last_deg = 2f64;
     let foot_m = 3.0 * last_deg.to_radians().tan();
-    // x = 3 + lean (z - foot): the upper end of the left wall is nearer, that of the right one farther away
+    // x = 3 + lean (z - foot): the upper end of the left wall is nearer, that of the right one
+    // farther away
     let scan = scanner(5, 12, 0.0, |[x, y, z]| {
         let lean = if y < 0.0 { 1.0 } else { -1.0 };
         (3.0 - lean * foot_m) / (x - lean * z)
@@ -111,8 +114,8 @@ fn equal_regions() {
     assert_eq!(joins(&scan), []);
 }
 
-/// A wall of nine pixels beside a line of eleven that is 0.1 m before it: the next row of the wall could go on with both,
-/// and goes on with what has a plane.
+/// A wall of nine pixels beside a line of eleven that is 0.1 m before it: the next row of the wall
+/// could go on with both, and goes on with what has a plane.
 #[test]
 fn planes_before_lines() {
     let mut scan = scanner(4, 14, 0.0, |[x, _, _]| 3.0 / x);
@@ -137,6 +140,20 @@ fn planes_before_lines() {
         |   aaaaaaaaaaa|
         |aaaaaaaaaaaaaa|";
     assert_eq!(given_out(&scan), Picture::parse(art));
+}
+
+/// A region whose last line ends where the next one does is over before that one begins: one label
+/// at a time is enough.
+#[test]
+fn room_for_one_region() {
+    let mut scan = scanner(6, 2, 0.0, |[x, _, _]| 3.0 / x);
+    for row in [1, 3, 5] {
+        scan.range_m[row * 2..][..2].fill(1.0);
+    }
+    let record = scan.record(CONFIG, 1);
+    record.assert_order_of_regions(6);
+    assert_eq!(record.unlabelled(2), [0; 6]);
+    assert_eq!(record.segments().len(), 6);
 }
 
 /// Two pieces of one plane to either side of a pillar touch nowhere: two regions.
@@ -164,8 +181,8 @@ fn hole_without_a_return() {
     assert_eq!(labels(&scan), Picture::parse(art));
 }
 
-/// A floor 1 m below the scanner and a wall 3 m away, which meet at -18 deg: no line turns, but its end points are off the
-/// floor's plane.
+/// A floor 1 m below the scanner and a wall 3 m away, which meet at -18 deg: no line turns, but its
+/// end points are off the floor's plane.
 #[test]
 fn floor_and_wall() {
     let mut scan = scanner(6, 7, 0.0, |_| 0.0);
@@ -182,7 +199,8 @@ fn floor_and_wall() {
     assert_eq!(labels(&scan), Picture::parse(art));
 }
 
-/// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one if the image wraps, and only then.
+/// A square room seen by a spinning lidar of 40 columns: the wall across the seam is one if the
+/// image wraps, and only then.
 #[test]
 fn wall_across_the_seam() {
     let scan = |wraps| {

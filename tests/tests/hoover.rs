@@ -22,8 +22,8 @@ fn paint(image: &mut [u16], rectangles: &[[usize; 5]]) {
     }
 }
 
-/// Truth and segmentation: rectangles over the whole; the segmentation starts from the truth, renamed, so that
-/// matches, splits and merges are common, and is then painted over.
+/// Truth and segmentation: rectangles over the whole; the segmentation starts from the truth,
+/// renamed, so that matches, splits and merges are common, and is then painted over.
 fn images() -> impl Strategy<Value = (Vec<u16>, Vec<u16>)> {
     let rectangles = || proptest::collection::vec(rectangle(), 0..6);
     (rectangles(), rectangles(), proptest::collection::vec(0..7u16, 6)).prop_map(|(first, second, names)| {

@@ -27,8 +27,9 @@ fn handle(approach: Approach) -> usize {
     }
 }
 
-/// The figures of the README, for scanners of 1 deg and of 0.5 deg steps over 180 deg: the slices and the segmenter itself,
-/// which is larger on a 64-bit host than with the shorter pointers of a microcontroller.
+/// The figures of the README, for scanners of 1 deg and of 0.5 deg steps over 180 deg: the slices
+/// and the segmenter itself, which is larger on a 64-bit host than with the shorter pointers of a
+/// microcontroller.
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn bytes_of_each_approach() {
@@ -100,6 +101,16 @@ fn memory_for_any_approach() {
     }
 }
 
+/// Debug output tells the lengths of the slices, and not all that they hold.
+#[test]
+fn memory_as_text() {
+    let mut buffers = <buffers!(33, PLANE, 4)>::EMPTY;
+    let Sizes { numbers, halves, words, .. } = PLANE.sizes(33);
+    let lengths = [numbers, halves, words, 4];
+    assert_eq!(format!("{buffers:?}"), format!("Buffers({lengths:?})"));
+    assert_eq!(format!("{:?}", buffers.memory()), format!("Memory({lengths:?})"));
+}
+
 /// A scan for statics: every second column has a return, every fifth row all.
 fn grid() -> Scan {
     let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.5, step_rad: 0.01 }, axis: TurnAxis::Y };
@@ -108,8 +119,9 @@ fn grid() -> Scan {
     Scan { columns: 33, range_m, turn_rad: (0..12).map(|row| 0.01 * row as f32).collect(), rig }
 }
 
-/// Two statics for a configuration, one with a table of four live labels: each has what the approach needs and no more, and
-/// segments as any other memory, also once other scans have filled it.
+/// Two statics for a configuration, one with a table of four live labels: each has what the
+/// approach needs and no more, and segments as any other memory, also once other scans have filled
+/// it.
 macro_rules! assert_statics {
     ($config:ident) => {{
         static FULL: Mutex<buffers!(33, $config)> = Mutex::new(<buffers!(33, $config)>::EMPTY);
@@ -142,7 +154,8 @@ fn buffers_in_statics() {
     }
 }
 
-/// Why a segmenter of 33 columns cannot be made; `None` if it can. The same whether it is chosen at run time or not.
+/// Why a segmenter of 33 columns cannot be made; `None` if it can. The same whether it is chosen at
+/// run time or not.
 fn refused(config: AnyConfig, beams: Beams, columns: usize, memory: Sizes) -> Option<ConfigError> {
     let mut room = Room::of(memory);
     let own = match config {
@@ -175,8 +188,8 @@ fn refused_by_all(ranging: Ranging, beams: Beams, columns: usize) -> Option<Conf
     by_planes
 }
 
-/// What each approach needs is enough, also with a single area; an element less of any slice is refused by the name of the
-/// slice and by both numbers, and more does no harm.
+/// What each approach needs is enough, also with a single area; an element less of any slice is
+/// refused by the name of the slice and by both numbers, and more does no harm.
 #[test]
 fn too_small_memory() {
     for config in APPROACHES {
@@ -201,7 +214,8 @@ fn too_small_memory() {
     }
 }
 
-/// A value of a configuration: the ends of its range are taken, what is beyond them is refused by name and value.
+/// A value of a configuration: the ends of its range are taken, what is beyond them is refused by
+/// name and value.
 fn assert_value(field: &'static str, good: &[f32], bad: &[f32], with: impl Fn(f32) -> Option<ConfigError>) {
     for &value in good {
         assert_eq!(with(value), None, "{field} {value}");
@@ -314,7 +328,8 @@ fn column_angles() {
     }
 }
 
-/// Even azimuths of an image that wraps go round once: 33 steps of 1 / 33 turn, either way, but for 1 % of a step.
+/// Even azimuths of an image that wraps go round once: 33 steps of 1 / 33 turn, either way, but for
+/// 1 % of a step.
 #[test]
 fn azimuths_that_wrap() {
     let with = |step_rad| {

@@ -7,8 +7,9 @@ use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Rig, Scan};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// A million points on a plane 30 m away, oblique, with noise of 5 mm: the core's plane agrees with total least squares in
-/// f64 of the true points. (The core rounds them to 0.24 mm; that adds 0.07 mm to the noise, 1e-4 of its square.)
+/// A million points on a plane 30 m away, oblique, with noise of 5 mm: the core's plane agrees with
+/// total least squares in f64 of the true points. (The core rounds them to 0.24 mm; that adds 0.07
+/// mm to the noise, 1e-4 of its square.)
 #[test]
 fn a_million_points_30_m_away() {
     let (rows, columns) = (1000, 1000);
@@ -49,8 +50,9 @@ fn a_million_points_30_m_away() {
     }
 }
 
-/// Two halves of a wall at the largest range, which the last row joins: each has sums that fit, both together have not. Of
-/// such a segment it is known that its moments are not exact, and it has no plane.
+/// Two halves of a wall at the largest range, which the last row joins: each has sums that fit,
+/// both together have not. Of such a segment it is known that its moments are not exact, and it has
+/// no plane.
 #[test]
 fn more_points_than_sums_have_room_for() {
     let (rows, columns) = (140, MAX_COLUMNS);

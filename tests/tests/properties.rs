@@ -21,7 +21,8 @@ fn fresh(scan: &Scan, config: &EdgeConfig) -> Record {
     scan.record(*config, live_labels(scan.columns))
 }
 
-/// What a segmenter with a table of `areas` live labels reports of `scan` after `before` was done with it.
+/// What a segmenter with a table of `areas` live labels reports of `scan` after `before` was done
+/// with it.
 fn after(scan: &Scan, config: &EdgeConfig, areas: usize, before: impl FnOnce(&mut EdgeSegmenter)) -> Record {
     let mut room = Room::new(scan.columns, *config, areas);
     let mut segmenter = EdgeSegmenter::new(*config, scan.beams(), scan.columns, room.memory()).unwrap();
@@ -42,7 +43,8 @@ fn push(scan: &Scan, rows: usize, segmenter: &mut EdgeSegmenter, record: &mut Re
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(CASES))]
 
-    /// Metres or feet: scaling by a power of two, which is exact, changes no bearing angle and no edge.
+    /// Metres or feet: scaling by a power of two, which is exact, changes no bearing angle and no
+    /// edge.
     #[test]
     fn unit_of_length(scan in scans(16), config in edge_configs(), exponent in -6i32..=2) {
         let factor = f32::from(exponent as i8).exp2();
@@ -59,8 +61,8 @@ proptest! {
         prop_assert_eq!(record.pixels(), scaled.pixels());
     }
 
-    /// A scan cut anywhere is a scan: it is what the reference finds in the rows pushed, and until the cut everything
-    /// comes as in the whole scan.
+    /// A scan cut anywhere is a scan: it is what the reference finds in the rows pushed, and until
+    /// the cut everything comes as in the whole scan.
     #[test]
     fn cut_anywhere(scan in scans(24), config in edge_configs(), part in 0.0f64..1.0) {
         let rows = (part * scan.turn_rad.len() as f64) as usize;
@@ -79,7 +81,8 @@ proptest! {
         prop_assert_eq!(&whole.events[..pushed.events.len()], &pushed.events[..]);
     }
 
-    /// What came before leaves no trace: a whole scan, one dropped by `reset`, rows that were refused, a scan broken off.
+    /// What came before leaves no trace: a whole scan, one dropped by `reset`, rows that were
+    /// refused, a scan broken off.
     #[test]
     fn every_scan_starts_clean(
         scan in scans(16), config in edge_configs(), other in any::<u64>(), part in 0.0f64..1.0, index in 0usize..40,
@@ -119,11 +122,13 @@ proptest! {
         prop_assert_eq!(record, expected);
     }
 
-    /// Edges of a mirrored scan, up to the rounding of bearing angles: an edge by a threshold that is stricter than the
-    /// rounding must be one in the mirror, and what is one there must be one by a laxer threshold.
+    /// Edges of a mirrored scan, up to the rounding of bearing angles: an edge by a threshold that
+    /// is stricter than the rounding must be one in the mirror, and what is one there must be one
+    /// by a laxer threshold.
     ///
-    /// A bearing angle is kept at the later pixel of its pair, which along the row is the earlier one in the mirror:
-    /// there the mirror image is shifted by one column, and BA' = pi - Phi - BA. Along a column BA' = BA.
+    /// A bearing angle is kept at the later pixel of its pair, which along the row is the earlier
+    /// one in the mirror: there the mirror image is shifted by one column, and BA' = pi - Phi - BA.
+    /// Along a column BA' = BA.
     #[test]
     fn mirrored(
         rows in 1usize..12, columns in common::columns(), scene in 0usize..6, seed: u64, config in edge_configs(), z: bool,
@@ -153,7 +158,8 @@ proptest! {
                 prop_assert!(one == 0.0 || (sum - other).abs() <= rounding, "{} {}", one, other);
             }
 
-            // the rounding either way at each of Sobel's weights, 8 for |gx| and 8 for |gy|, and the steps' Phi
+            // the rounding either way at each of Sobel's weights, 8 for |gx| and 8 for |gy|, and
+            // the steps' Phi
             let traces = [trace];
             let config = config.with_traces(&traces);
             let (eighths, steps) = (16 * (rounding / 8.0).ceil() as i32, rounding.ceil() + phi_counts.ceil());
@@ -233,7 +239,8 @@ fn no_rows() {
     assert_eq!(record.finished, Some(Finished::Complete { rows: 0, unlabelled: 0 }));
 }
 
-/// One row more than a scan may have is refused; the scan can be finished, and the next one starts clean.
+/// One row more than a scan may have is refused; the scan can be finished, and the next one starts
+/// clean.
 #[test]
 fn too_many_rows() {
     let rig = Rig::Nodding { angles: Angles::Even { start_rad: 0.0, step_rad: 0.01 }, axis: TurnAxis::Y };
@@ -256,7 +263,8 @@ fn too_many_rows() {
     assert_eq!(next, scan.cut(5).record(config, 1));
 }
 
-/// A column image of a scan whose list of column angles is its own mirror image is mirrored exactly.
+/// A column image of a scan whose list of column angles is its own mirror image is mirrored
+/// exactly.
 #[test]
 fn mirrored_exactly() {
     let columns = 45;

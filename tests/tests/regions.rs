@@ -1,4 +1,5 @@
-//! The region-based segmenter: what the reference finds in the whole image, and what must hold of every scan.
+//! The region-based segmenter: what the reference finds in the whole image, and what must hold of
+//! every scan.
 
 mod common;
 
@@ -30,7 +31,8 @@ proptest! {
         prop_assert_eq!(&whole.events[..ends], &record.events[..ends]);
     }
 
-    /// What came before leaves no trace, with a table of any size: a whole scan, one dropped by `reset`, a scan broken off.
+    /// What came before leaves no trace, with a table of any size: a whole scan, one dropped by
+    /// `reset`, a scan broken off.
     #[test]
     fn every_scan_starts_clean(
         scan in scans(16), config in region_configs(), other in any::<u64>(), index in 0usize..40,
@@ -98,7 +100,8 @@ proptest! {
     }
 }
 
-/// The comparison is about something: of scans of all kinds more than a third are compared, with joins, regions and lines of all sizes.
+/// The comparison is about something: of scans of all kinds more than a third are compared, with
+/// joins, regions and lines of all sizes.
 #[test]
 fn most_scans_are_compared() {
     let (mut compared, mut skipped, mut joins, mut segments, mut largest) = (0, 0, 0, 0, 0);
@@ -121,8 +124,8 @@ fn most_scans_are_compared() {
     assert!(3 * compared > skipped + compared && joins > 100 && segments > 1000 && largest > 50);
 }
 
-/// A surface that is hardly bent, and an angle of lines that single precision cannot tell from 0: the reference must doubt its
-/// turns.
+/// A surface that is hardly bent, and an angle of lines that single precision cannot tell from 0:
+/// the reference must doubt its turns.
 #[test]
 fn an_angle_below_all_digits() {
     let rig = Rig::Nodding { angles: Angles::Even { start_rad: 1.2, step_rad: 0.05 }, axis: TurnAxis::Y };
@@ -138,8 +141,9 @@ fn an_angle_below_all_digits() {
     assert!(!assert_same(&scan, &config), "no doubt");
 }
 
-/// Lines that touch, two pixels each, every line a region of its own: no image has more live labels. Each row is a zigzag
-/// whose corners are at every second pixel, and no two lines are in one plane.
+/// Lines that touch, two pixels each, every line a region of its own: no image has more live
+/// labels. Each row is a zigzag whose corners are at every second pixel, and no two lines are in
+/// one plane.
 #[test]
 fn worst_case_of_live_labels() {
     let config = RegionConfig::paper().with_ranging(Ranging::new(0.0)).with_plane_distance_m(0.0);

@@ -1,4 +1,5 @@
-//! The streaming segmenter finds what the reference finds in the whole image, given the same bearing angles.
+//! The streaming segmenter finds what the reference finds in the whole image, given the same
+//! bearing angles.
 
 mod common;
 
@@ -34,7 +35,8 @@ fn only_holes() -> EdgeConfig<'static> {
     along_rows.with_roof_angle_rad(std::f32::consts::PI).with_step_angle_rad(0.0)
 }
 
-/// Every 3 x 4 image of holes, and every 4 x 3, in every table of live labels that could be too small.
+/// Every 3 x 4 image of holes, and every 4 x 3, in every table of live labels that could be too
+/// small.
 #[test]
 fn every_small_pattern() {
     for (rows, columns) in [(3, 4), (4, 3), (2, 6), (12, 1), (1, 12)] {
@@ -76,7 +78,8 @@ fn scans_are_of_all_kinds() {
     assert!(segments > 500 && planes > 100 && covariances > 20 && joins > 200 && lost > 200);
 }
 
-/// The checkerboard of holes needs floor((columns + 1) / 2) live labels at once, and so on: the worst case is met.
+/// The checkerboard of holes needs floor((columns + 1) / 2) live labels at once, and so on: the
+/// worst case is met.
 #[test]
 fn worst_case_of_live_labels() {
     for columns in 1..70 {

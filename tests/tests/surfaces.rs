@@ -41,7 +41,8 @@ proptest! {
         prop_assert_eq!(&whole.events[..ends], &record.events[..ends]);
     }
 
-    /// What came before leaves no trace, with a table of any size: a whole scan, one dropped by `reset`, a scan broken off.
+    /// What came before leaves no trace, with a table of any size: a whole scan, one dropped by
+    /// `reset`, a scan broken off.
     #[test]
     fn every_scan_starts_clean(
         scan in scans(16), config in plane_configs(), other in any::<u64>(), index in 0usize..40,
@@ -117,8 +118,8 @@ proptest! {
     }
 }
 
-/// The properties are about something: scans of all kinds have joins, segments that go on after they were reported, and
-/// segments of all sizes.
+/// The properties are about something: scans of all kinds have joins, segments that go on after
+/// they were reported, and segments of all sizes.
 #[test]
 fn scans_hold_all_cases() {
     let (mut life, mut largest, mut full) = ([0; 4], 0, 0);
@@ -140,8 +141,9 @@ fn scans_hold_all_cases() {
     assert!(begun > 3000 && joins > 300 && resumed > 100 && reports > 2000 && largest > 100 && full > 50);
 }
 
-/// In scans of all kinds one wrong decision in a row of noise changes all that follows, and most scans hold one that rounding
-/// could turn. One of five is compared, to the pixel, and these have joins and surfaces of all sizes.
+/// In scans of all kinds one wrong decision in a row of noise changes all that follows, and most
+/// scans hold one that rounding could turn. One of five is compared, to the pixel, and these have
+/// joins and surfaces of all sizes.
 #[test]
 fn same_as_the_reference() {
     let (mut compared, mut skipped, mut joins, mut resumed, mut largest) = (0, 0, 0, 0, 0);
@@ -165,16 +167,17 @@ fn same_as_the_reference() {
     assert!(8 * compared > skipped + compared && joins > 100 && resumed > 50 && largest > 100);
 }
 
-/// A long line that ends at a grazing angle beside one of three pixels: where one ends and the other begins depends on digits
-/// that single precision has only if it does not subtract sums of products.
+/// A long line that ends at a grazing angle beside one of three pixels: where one ends and the
+/// other begins depends on digits that single precision has only if it does not subtract sums of
+/// products.
 #[test]
 fn digits_of_a_grazing_line() {
     let config = PlaneConfig::new(Ranging::new(0.3).with_limits(1.0, 100.0));
     assert!(assert_same(&scan_of(4, 69, 0, 0, 0), &config), "in doubt");
 }
 
-/// Planes of two pixels a row, 40 deg apart, that meet at a pixel three times as far: which one it follows depends on to which
-/// side each point was rounded, and the reference must doubt it.
+/// Planes of two pixels a row, 40 deg apart, that meet at a pixel three times as far: which one it
+/// follows depends on to which side each point was rounded, and the reference must doubt it.
 #[test]
 fn planes_of_few_points_from_afar() {
     let rig = Rig::Spinning { angles: Angles::Even { start_rad: -1.2, step_rad: -0.69813174 }, wraps: true };
@@ -194,8 +197,8 @@ fn planes_of_few_points_from_afar() {
     assert!(!assert_same(&Scan { columns: 9, range_m, turn_rad, rig }, &config), "no doubt");
 }
 
-/// A row that is turned further than was reported, by more and more, in front of a wall and a slope on which alone it shows:
-/// it is believed as soon as in the reference.
+/// A row that is turned further than was reported, by more and more, in front of a wall and a slope
+/// on which alone it shows: it is believed as soon as in the reference.
 #[test]
 fn turns_are_believed_as_soon() {
     let config = DEFAULT;
@@ -231,8 +234,8 @@ fn lines_end_at_large_steps() {
     }
 }
 
-/// The share of pixels that two labelings of an image agree on, each label of one going with the label of the other that it
-/// shares most pixels with: the lesser of the two directions.
+/// The share of pixels that two labelings of an image agree on, each label of one going with the
+/// label of the other that it shares most pixels with: the lesser of the two directions.
 fn agreement(one: &[u32], other: &[u32]) -> f64 {
     let share = |one: &[u32], other: &[u32]| {
         let mut shared = BTreeMap::<u32, BTreeMap<u32, usize>>::new();
@@ -255,7 +258,8 @@ fn office(scene: u32, noise_m: f64) -> (Scan, PlaneConfig) {
     (scan, PlaneConfig::new(Ranging::new(noise_m.max(0.001) as f32)))
 }
 
-/// Simulated offices, each with some decisions in doubt: the labels are those of the reference but for few pixels.
+/// Simulated offices, each with some decisions in doubt: the labels are those of the reference but
+/// for few pixels.
 #[test]
 fn offices_as_in_the_reference() {
     let mut all = Vec::new();
@@ -281,8 +285,9 @@ fn offices_as_in_the_reference() {
     assert!(mean > 0.995 && least > 0.99);
 }
 
-/// An office in a mirror has the same surfaces, but for pixels at their rims: which line of a row comes first, and which of
-/// two equal planes, depends on the side. Scaling an office does not scale its surfaces, since the noise is in metres.
+/// An office in a mirror has the same surfaces, but for pixels at their rims: which line of a row
+/// comes first, and which of two equal planes, depends on the side. Scaling an office does not
+/// scale its surfaces, since the noise is in metres.
 #[test]
 fn mirrored_offices() {
     for (scene, noise_m) in [(0, 0.0), (1, 0.005), (2, 0.01), (5, 0.005)] {

@@ -27,11 +27,11 @@ pub(crate) const TURN_STRIDE: usize = 4;
 #[non_exhaustive]
 pub struct Rules {
     /// Least standard deviation of a range, metres. Beams are not quite where they are said to be,
-    /// ranges are rounded, walls are not quite flat. With 0.5 mm: 3.9 / 0.5 / -0.3 points.
+    /// ranges are rounded, walls are not quite flat. With 0.5 mm: 4.2 / -0.4 / -0.4 points.
     pub least_noise_m: f32,
 
     /// Columns to either side in which a pixel looks for a plane of the row above. With 0: 4.8 /
-    /// 3.8 / 1.4 points.
+    /// 3.7 / 1.4 points.
     pub reach_columns: usize,
     /// Squared error at which a pixel lies on no plane: 3.2 standard deviations.
     pub off_plane: f32,
@@ -39,10 +39,10 @@ pub struct Rules {
     /// [`Rules::off_plane`].
     pub left_price: f32,
     /// Squared error that leaving a plane, or coming back, is given: more than noise gathers in a
-    /// few pixels. With 0: -0.1 / 3.5 / 4.3 points.
+    /// few pixels. With 0: -0.1 / 3.4 / 4.5 points.
     pub leave_price: f32,
     /// Variance of the direction of a beam, rad^2: 0.02 deg. It counts where a surface is seen at a
-    /// grazing angle. With 0: 0.11 of the first corridor scan.
+    /// grazing angle. With 0: 0.05 of the first corridor scan.
     pub beam_rad2: f32,
     /// Squared tangent of the largest angle of incidence that is told: surfaces seen at less than 4
     /// deg are taken for seen at 4 deg.
@@ -65,7 +65,7 @@ pub struct Rules {
     /// what it is said to be.
     pub uneven: f64,
     /// Excess over the noise at which an area still lies near a plane: scanners with less noise
-    /// than they are said to have bend their ranges. Without: 0.8 / 0.3 / -0.1 points, 0.03 of the
+    /// than they are said to have bend their ranges. Without: 0.8 / 0 / -0.3 points, 0.03 of the
     /// first corridor scan.
     pub bent: f64,
     /// Variances of the turn angle by which a surface may be bent.
@@ -73,13 +73,13 @@ pub struct Rules {
     /// Most of that, in units of the noise.
     pub most_wobble: f64,
     /// Least rows of areas that join a neighbour: one row has no plane. Without such joins: 1.3 /
-    /// 1.4 / -0.4 points, 0.12 and 0.10 of the corridor scans.
+    /// 1.4 / -0.4 points, 0.12 and 0.14 of the corridor scans.
     pub neighbour_rows: u16,
-    /// Least points of areas that join across a gap. Without such joins: 8.3 / 7.0 / 5.4 points,
+    /// Least points of areas that join across a gap. Without such joins: 8.0 / 7.0 / 5.2 points,
     /// 0.15 and 0.08 of the corridor scans.
     pub gap_points: u32,
     /// Squared cosine of the largest angle, 3 deg, at which two large areas are one that the
-    /// scanner bends. Without such joins: 0.2 / 0 / -1.2 points, 0.06 of the first corridor scan.
+    /// scanner bends. Without such joins: 0.2 / 0 / -1.0 points, 0.06 of the first corridor scan.
     pub bend_cos_square: f32,
     /// Squared step between the two: three standard deviations of a range.
     pub bend_step: f32,

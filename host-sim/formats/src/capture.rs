@@ -32,7 +32,7 @@ use crate::geometry::{Angles, Geometry, Kind, TurnAxis};
 pub const HEAD: &str = "scanseg capture 1";
 
 /// A capture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
     /// How the scanner was set up.
     pub settings: Settings,
@@ -43,7 +43,7 @@ pub struct Capture {
 }
 
 /// One event of a capture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CaptureEvent {
     /// A sample of the tilt, or `None` if it failed.
     Tilt(Option<Latch>),
@@ -57,7 +57,7 @@ pub enum CaptureEvent {
 }
 
 /// Why bytes are no capture.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CaptureError {
     /// A line that is not as it should be, counted from 1.
     Line(usize),
@@ -214,9 +214,11 @@ impl Capture {
 /// with the rows.
 #[must_use]
 pub fn geometry_on_tilt(variant: Variant) -> Geometry {
-    let beam_deg =
-        Angles::Even { start: -f64::from(variant.view_deg()) / 2.0, step: f64::from(variant.step_cdeg()) / 100.0 };
-    let turn_deg = Angles::Even { start: 0.0, step: 1.0 };
+    let beam_deg = Angles::Even {
+        start_deg: -f64::from(variant.view_deg()) / 2.0,
+        step_deg: f64::from(variant.step_cdeg()) / 100.0,
+    };
+    let turn_deg = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
     Geometry {
         unit_m: 0.001,
         no_return: vec![],
@@ -238,7 +240,7 @@ struct Telegrams {
 }
 
 impl Telegrams {
-    /// Those like the first.
+    /// Finds those like the first.
     fn find(raw: &[u8], range_bits: u32) -> Option<Telegrams> {
         let mode = MeasuringMode::ALL.into_iter().find(|mode| mode.range_bits() == range_bits)?;
         let (mut decoder, mut used, mut start) = (TelegramDecoder::new(), 0, 0);

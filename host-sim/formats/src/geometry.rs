@@ -10,22 +10,22 @@ pub use scanseg_core::TurnAxis;
 /// Angles of the rows or of the columns of a range image, in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Angles {
-    /// Index `i` is at `start + i * step`.
+    /// Index `i` is at `start_deg + i * step_deg`.
     Even {
         /// Angle of index 0.
-        start: f64,
+        start_deg: f64,
         /// Angle from one index to the next; not zero.
-        step: f64,
+        step_deg: f64,
     },
     /// One angle per index.
     Listed(Vec<f64>),
 }
 
 impl Angles {
-    /// Angle of index `i` in degrees. `i` must lie within a list.
+    /// Returns the angle of index `i` in degrees. `i` must lie within a list.
     pub fn at(&self, i: usize) -> f64 {
         match self {
-            Angles::Even { start, step } => start + i as f64 * step,
+            Angles::Even { start_deg, step_deg } => start_deg + i as f64 * step_deg,
             Angles::Listed(list) => list[i],
         }
     }
@@ -64,13 +64,13 @@ pub enum Kind {
     /// A camera: direction = normalised (1, -(u - cx) / fx, -(v - cy) / fy).
     Pinhole {
         /// Focal length along a row, pixels.
-        fx: f64,
+        fx_px: f64,
         /// Focal length along a column, pixels.
-        fy: f64,
+        fy_px: f64,
         /// Column of the optical axis.
-        cx: f64,
+        cx_px: f64,
         /// Row of the optical axis.
-        cy: f64,
+        cy_px: f64,
         /// What the pixel values measure.
         depth: Depth,
     },
@@ -94,9 +94,9 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Whether an image of `rows` x `columns` pixels can have this geometry: listed angles have one
-    /// entry per row or column, and the beams of the corners have directions (numbers too large for
-    /// `f64` leave them without).
+    /// Checks that an image of `rows` x `columns` pixels can have this geometry: listed angles have
+    /// one entry per row or column, and the beams of the corners have directions (numbers too large
+    /// for `f64` leave them without).
     ///
     /// # Errors
     /// [`GeometryError::Entries`] or [`GeometryError::NoDirection`].
@@ -133,7 +133,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// The rules of the geometry file that hold for values whatever the image: everything finite,
+    /// Checks the rules of the geometry file that hold for any image: everything finite,
     /// `unit_m` above 0, ranges ordered, no empty list, no step and no focal length of 0.
     ///
     /// # Errors
@@ -143,9 +143,9 @@ impl Geometry {
             if good && x.is_finite() { Ok(()) } else { Err(GeometryError::value(key, x, rule)) }
         };
         let angles = |key: &str, angles: &Angles| match angles {
-            Angles::Even { start, step } => {
-                number(&format!("{key}.start"), *start, true, "finite")?;
-                number(&format!("{key}.step"), *step, *step != 0.0, "finite and not 0")
+            Angles::Even { start_deg, step_deg } => {
+                number(&format!("{key}.start"), *start_deg, true, "finite")?;
+                number(&format!("{key}.step"), *step_deg, *step_deg != 0.0, "finite and not 0")
             }
             Angles::Listed(list) if list.is_empty() => Err(GeometryError::value(key, "[]", "one angle or more")),
             Angles::Listed(list) => {
@@ -172,16 +172,16 @@ impl Geometry {
                 angles("azimuth_deg", azimuth_deg)?;
                 angles("elevation_deg", elevation_deg)
             }
-            Kind::Pinhole { fx, fy, cx, cy, .. } => {
-                number("fx", *fx, *fx != 0.0, "finite and not 0")?;
-                number("fy", *fy, *fy != 0.0, "finite and not 0")?;
-                number("cx", *cx, true, "finite")?;
-                number("cy", *cy, true, "finite")
+            Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
+                number("fx", *fx_px, *fx_px != 0.0, "finite and not 0")?;
+                number("fy", *fy_px, *fy_px != 0.0, "finite and not 0")?;
+                number("cx", *cx_px, true, "finite")?;
+                number("cy", *cy_px, true, "finite")
             }
         }
     }
 
-    /// Unit vector of the beam of a pixel. Listed angles must have an entry for it; see
+    /// Returns the unit vector of the beam of a pixel. Listed angles must have an entry for it; see
     /// [`Geometry::fits`].
     pub fn direction(&self, row: usize, column: usize) -> [f64; 3] {
         match &self.kind {
@@ -198,9 +198,9 @@ impl Geometry {
                 let (se, ce) = elevation_deg.at(row).to_radians().sin_cos();
                 [ce * ca, ce * sa, se]
             }
-            Kind::Pinhole { fx, fy, cx, cy, .. } => {
-                let u = -(column as f64 - cx) / fx;
-                let v = -(row as f64 - cy) / fy;
+            Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
+                let u = -(column as f64 - cx_px) / fx_px;
+                let v = -(row as f64 - cy_px) / fy_px;
                 let n = (1.0 + u * u + v * v).sqrt();
                 [1.0 / n, u / n, v / n]
             }

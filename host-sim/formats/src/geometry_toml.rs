@@ -19,7 +19,7 @@ impl Geometry {
     /// Reads the text of a geometry file, version 1.
     ///
     /// # Errors
-    /// Whatever is not TOML, missing, unknown (also: of another kind), ill-typed or out of its
+    /// What is not TOML, missing, unknown (also: of another kind), ill-typed or out of its
     /// range, by name; the ranges are those of [`Geometry::check`].
     pub fn parse(toml_text: &str) -> Result<Geometry, GeometryError> {
         let table = toml_text.parse::<Table>().map_err(|e| {
@@ -65,8 +65,8 @@ impl Geometry {
         Geometry::parse(&text).map_err(|e| FileError::new(path, e))
     }
 
-    /// The text of a geometry file from which [`Geometry::parse`] makes an equal geometry, provided
-    /// that it passes [`Geometry::check`].
+    /// Returns the text of a geometry file from which [`Geometry::parse`] makes an equal geometry,
+    /// provided that it passes [`Geometry::check`].
     pub fn to_toml(&self) -> String {
         let mut text = format!("version = 1\nunit_m = {:?}\nno_return = {:?}\n", self.unit_m, self.no_return);
         // Writing to a string cannot fail; `{:?}` of an f64 is the shortest text that reads back as
@@ -101,14 +101,14 @@ impl Geometry {
                 line("elevation_deg", angles_toml(elevation_deg));
                 line("wraps", wraps.to_string());
             }
-            Kind::Pinhole { fx, fy, cx, cy, depth } => {
+            Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, depth } => {
                 line("kind", format!("{PINHOLE:?}"));
                 let depth = match depth {
                     Depth::Z => "z",
                     Depth::Range => "range",
                 };
                 line("depth", format!("{depth:?}"));
-                for (key, value) in [("fx", fx), ("fy", fy), ("cx", cx), ("cy", cy)] {
+                for (key, value) in [("fx", fx_px), ("fy", fy_px), ("cx", cx_px), ("cy", cy_px)] {
                     line(key, format!("{value:?}"));
                 }
             }
@@ -119,7 +119,7 @@ impl Geometry {
 
 fn angles_toml(angles: &Angles) -> String {
     match angles {
-        Angles::Even { start, step } => format!("{{ start = {start:?}, step = {step:?} }}"),
+        Angles::Even { start_deg, step_deg } => format!("{{ start = {start_deg:?}, step = {step_deg:?} }}"),
         Angles::Listed(list) => format!("{list:?}"),
     }
 }
@@ -149,10 +149,10 @@ fn spinning(keys: &mut Keys) -> Result<Kind, GeometryError> {
 
 fn pinhole(keys: &mut Keys) -> Result<Kind, GeometryError> {
     Ok(Kind::Pinhole {
-        fx: keys.number("fx")?,
-        fy: keys.number("fy")?,
-        cx: keys.number("cx")?,
-        cy: keys.number("cy")?,
+        fx_px: keys.number("fx")?,
+        fy_px: keys.number("fy")?,
+        cx_px: keys.number("cx")?,
+        cy_px: keys.number("cy")?,
         depth: match keys.word("depth", &["z", "range"], "z or range")? {
             "z" => Depth::Z,
             _ => Depth::Range,
@@ -160,7 +160,7 @@ fn pinhole(keys: &mut Keys) -> Result<Kind, GeometryError> {
     })
 }
 
-/// The keys of a table that nobody has taken yet.
+/// The keys of a table that have not been taken yet.
 struct Keys {
     table: Table,
     /// What stands before the keys in messages: empty, or the table's own key and a dot.
@@ -206,7 +206,7 @@ impl Keys {
             }
             Value::Table(table) => {
                 let mut keys = Keys { table, prefix: format!("{key}.") };
-                let even = Angles::Even { start: keys.number("start")?, step: keys.number("step")? };
+                let even = Angles::Even { start_deg: keys.number("start")?, step_deg: keys.number("step")? };
                 keys.finish("{ start, step }")?;
                 Ok(even)
             }

@@ -52,8 +52,8 @@ impl GreyImage {
         }
     }
 
-    /// A PGM file of the image: one byte per value where `max_value` is below 256, else two, the
-    /// high one first.
+    /// Returns a PGM file of the image: one byte per value where `max_value` is below 256, else
+    /// two, the high one first.
     ///
     /// # Panics
     /// As [`GreyImage::to_png`].
@@ -63,8 +63,8 @@ impl GreyImage {
         bytes
     }
 
-    /// A PNG file of the image, of 8 bits where `max_value` is below 256, else 16. PNG has no other
-    /// largest values than 255 and 65535; read back, `max_value` is one of these.
+    /// Returns a PNG file of the image, of 8 bits where `max_value` is below 256, else 16. PNG has
+    /// no other largest values than 255 and 65535; read back, `max_value` is one of these.
     ///
     /// # Panics
     /// If the fields break what they promise: a side of 0 or above 2^31, or not `rows * columns`
@@ -82,7 +82,7 @@ impl GreyImage {
         bytes
     }
 
-    /// The values as both formats store them.
+    /// Returns the values as both formats store them.
     fn samples(&self) -> Vec<u8> {
         assert!(self.rows > 0 && self.columns > 0 && self.values.len() == self.rows * self.columns, "image size");
         assert!(self.values.iter().all(|v| *v <= self.max_value), "value above max_value");

@@ -44,8 +44,8 @@ impl RangeImage {
         Ok(RangeImage { rows: image.rows, columns: image.columns, range_m: range_m.collect() })
     }
 
-    /// The counts of the ranges, to the nearest, in an image of 16 bits. A range that is not above
-    /// 0, infinite or not a number is no return, 0. One that rounds to 0 or to a count of
+    /// Returns the counts of the ranges, to the nearest, in an image of 16 bits. A range that is
+    /// not above 0, infinite or not a number is no return, 0. One that rounds to 0 or to a count of
     /// `no_return` reads back as no return, and so does one beyond the limits of the geometry.
     ///
     /// # Errors

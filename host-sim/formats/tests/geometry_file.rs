@@ -42,7 +42,7 @@ fn each_kind_is_read() {
             max_range_m: None,
             range_noise_m: None,
             kind: Kind::Spinning {
-                azimuth_deg: Angles::Even { start: 0.0, step: -0.5 },
+                azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
                 elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
                 wraps: true,
             },
@@ -54,7 +54,10 @@ fn each_kind_is_read() {
     assert_eq!(limits, [Some(0.48), Some(80.0), Some(0.01)]);
     assert!(matches!(nodding.kind, Kind::Nodding { turn_axis: TurnAxis::Y, .. }));
     let pinhole = Geometry::parse(PINHOLE).unwrap();
-    assert_eq!(pinhole.kind, Kind::Pinhole { fx: 519.226, fy: 479.462, cx: 522.23, cy: 272.0, depth: Depth::Z });
+    assert_eq!(
+        pinhole.kind,
+        Kind::Pinhole { fx_px: 519.226, fy_px: 479.462, cx_px: 522.23, cy_px: 272.0, depth: Depth::Z }
+    );
     let no_wraps = Geometry::parse(&SPINNING.replace("wraps = true", "")).unwrap();
     assert!(matches!(no_wraps.kind, Kind::Spinning { wraps: false, .. }));
 }
@@ -178,7 +181,7 @@ fn a_file_that_cannot_be_read_is_named() {
 fn angles() -> impl Strategy<Value = Angles> {
     let step = any::<f64>().prop_filter("finite, not 0", |x| x.is_finite() && *x != 0.0);
     prop_oneof![
-        (finite(), step).prop_map(|(start, step)| Angles::Even { start, step }),
+        (finite(), step).prop_map(|(start, step)| Angles::Even { start_deg: start, step_deg: step }),
         prop::collection::vec(finite(), 1..20).prop_map(Angles::Listed),
     ]
 }
@@ -206,10 +209,10 @@ fn kind() -> impl Strategy<Value = Kind> {
             wraps
         }),
         (above_0(), above_0(), finite(), finite(), depth).prop_map(|(fx, fy, cx, cy, depth)| Kind::Pinhole {
-            fx,
-            fy: -fy,
-            cx,
-            cy,
+            fx_px: fx,
+            fy_px: -fy,
+            cx_px: cx,
+            cy_px: cy,
             depth
         }),
     ]

@@ -104,7 +104,7 @@ impl Listing {
         text.into_bytes()
     }
 
-    /// The largest segments and the totals.
+    /// Returns the largest segments and the totals.
     pub fn table(&self) -> String {
         const LINES: usize = 12;
         let mut text =

@@ -38,7 +38,7 @@ impl Host {
 }
 
 impl LinkOptions {
-    /// A reporter whose frames come to `host`.
+    /// Returns a reporter whose frames come to `host`.
     pub fn reporter(&self, host: &Rc<RefCell<Host>>) -> Reporter<impl FnMut(&[u8]) + use<>> {
         let (host, mut decoder) = (Rc::clone(host), FrameDecoder::new());
         Reporter::new(self.min_pixels, move |frame: &[u8]| {
@@ -49,7 +49,7 @@ impl LinkOptions {
     }
 }
 
-/// A line, for what deserves one: joins and greetings do not.
+/// Returns a line, for what deserves one: joins and greetings do not.
 pub fn line(received: &Received) -> Option<String> {
     let (lost, message) = match received {
         Received::Damaged { bytes } => return Some(format!("damaged: {bytes} bytes")),
@@ -86,7 +86,7 @@ fn segment_line(segment: &SegmentReport) -> String {
     )
 }
 
-/// What was counted; reasons only where there is something to tell.
+/// Returns what was counted; reasons only where there is something to tell.
 pub fn counters_line(counters: &Counters) -> String {
     let Counters { bytes, telegrams, rejected, lost, rows, segments, .. } = *counters;
     let mut text = format!(

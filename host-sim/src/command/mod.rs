@@ -74,7 +74,7 @@ fn run(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// What is wrong with the command line, without the usage that clap adds, as one line.
+/// Returns what is wrong with the command line, without the usage that clap adds, as one line.
 fn first_paragraph(e: &clap::Error) -> String {
     let text = e.render().to_string();
     let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();

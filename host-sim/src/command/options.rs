@@ -141,8 +141,8 @@ impl Options {
             .with_plane_distance_m(self.plane_distance_m.unwrap_or(paper.plane_distance_m))
     }
 
-    /// The approach that is named, or else the one that the given values belong to, or else that of
-    /// the preset.
+    /// Returns the approach that is named, or else the one that the given values belong to, or else
+    /// that of the preset.
     fn approach(&self) -> Approach {
         match (self.approach, self.preset) {
             (Some(ApproachOption::Plane), _) => Approach::Plane,
@@ -156,7 +156,7 @@ impl Options {
         }
     }
 
-    /// The options given that belong to one approach.
+    /// Returns the options given that belong to one approach.
     fn given(&self) -> impl Iterator<Item = (&'static str, Approach)> {
         [
             ("--roof-angle-deg", Approach::Edge, self.roof_angle_deg.is_some()),

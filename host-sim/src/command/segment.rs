@@ -110,16 +110,16 @@ fn edges_along_rows_and_columns(
     config: EdgeConfig<'_>,
     run: impl Fn(AnyConfig<'_>) -> Result<Segmentation, Failure>,
 ) -> Result<Vec<Vec<bool>>, Failure> {
-    let along: [(Trace, fn(&Trace) -> bool); 2] =
-        [(Trace::ROW, |trace| trace.rows == 0), (Trace::COLUMN, |trace| trace.columns == 0)];
-    let edges = along.map(|(usual, is_along)| {
+    let edges_of = |usual: Trace, is_along: fn(&Trace) -> bool| -> Result<Vec<bool>, Failure> {
         let mut traces: Vec<Trace> = config.traces.iter().copied().filter(is_along).collect();
         if traces.is_empty() {
             traces.push(usual);
         }
         Ok(run(config.with_traces(&traces).into())?.edges)
-    });
-    edges.into_iter().collect()
+    };
+    let along_rows = edges_of(Trace::ROW, |trace| trace.rows == 0)?;
+    let along_columns = edges_of(Trace::COLUMN, |trace| trace.columns == 0)?;
+    Ok(vec![along_rows, along_columns])
 }
 
 /// Returns the images of edges with their titles.

@@ -42,8 +42,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis from 0 to `max` or a little more, with ticks at round numbers. A `max` of 0 or
-    /// less is 1.
+    /// Returns a linear axis from 0 to `max` or a little more, with ticks at round numbers. A `max`
+    /// of 0 or less is 1.
     pub fn up_to(label: &str, max: f64) -> Axis {
         let max = if max > 0.0 { max } else { 1.0 };
         let decade = 10f64.powf((max / 5.0).log10().floor());
@@ -53,13 +53,13 @@ impl Axis {
         Axis::linear(label, &ticks.collect::<Vec<_>>())
     }
 
-    /// A linear axis with these ticks, rising, two or more.
+    /// Returns a linear axis with these ticks, rising, two or more.
     pub fn linear(label: &str, ticks: &[f64]) -> Axis {
         let named: Vec<_> = ticks.iter().map(|tick| (*tick, ((tick * 1e6).round() / 1e6).to_string())).collect();
         Axis { label: label.to_string(), scale: Scale::Linear, span: (ticks[0], ticks[ticks.len() - 1]), ticks: named }
     }
 
-    /// Where on the axis a value is, 0 at its start, 1 at its end.
+    /// Returns where on the axis a value is, 0 at its start, 1 at its end.
     fn place(&self, value: f64) -> f64 {
         let by = |x: f64| if self.scale == Scale::Logarithmic { x.log10() } else { x };
         let (from, to) = (by(self.span.0), by(self.span.1));
@@ -105,7 +105,7 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// The chart as an SVG file.
+    /// Returns the chart as an SVG file.
     pub fn svg(&self) -> String {
         let (left, above, right, below) = MARGINS;
         let column_x = |column: usize| left + column as f64 * (self.panel.0 + GAP.0);
@@ -167,7 +167,7 @@ impl Chart {
 pub struct Svg(String);
 
 impl Svg {
-    /// An empty sheet, white; `title` is for readers who cannot see it.
+    /// Returns an empty sheet, white; `title` is for readers who cannot see it.
     pub fn new(width: f64, height: f64, title: &str) -> Svg {
         Svg(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -232,7 +232,7 @@ impl Svg {
         );
     }
 
-    /// The file.
+    /// Returns the file.
     pub fn finish(mut self) -> String {
         self.0 += "</svg>\n";
         self.0
@@ -244,7 +244,7 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A PNG file of an SVG of this module, `scale` pixels per unit, above 0.
+/// Returns a PNG file of an SVG of this module, `scale` pixels per unit, above 0.
 ///
 /// # Panics
 /// If it is no SVG, or too large to be drawn.

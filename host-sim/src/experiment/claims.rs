@@ -68,7 +68,7 @@ pub struct Claim {
     pub why: String,
 }
 
-/// The claims, for results that have the paper's two methods; none for others.
+/// Returns the claims, for results that have the paper's two methods; none for others.
 pub fn claims(results: &Results) -> Vec<Claim> {
     let (Some(edge), Some(region)) = (results.method(EDGE), results.method(REGION)) else { return vec![] };
     vec![better(results, edge, region), zero(results, edge, region), under(results, &[edge, region]), linear(results)]
@@ -116,8 +116,8 @@ fn better(results: &Results, edge: usize, region: usize) -> Claim {
     }
 }
 
-/// What edges alone cost, what noise does to the input of both methods, and how much of the scan
-/// each then gives up.
+/// Returns what edges alone cost, what noise does to the input of both methods, and how much of the
+/// scan each then gives up.
 fn rim_and_noise(results: &Results, edge: usize, region: usize) -> String {
     let rims = results.rims.iter().map(|rim| format!("{:.0} % for a rim of {} px", rim.correct_percent, rim.width_px));
     let errors = results.sample.bearings.iter().filter(|error| error.noise_mm > 0).map(|error| {
@@ -249,7 +249,7 @@ fn linear(results: &Results) -> Claim {
     }
 }
 
-/// The power p of the y = a x^p that fits best (least squares of the logarithms).
+/// Returns the power p of the y = a x^p that fits best (least squares of the logarithms).
 fn power(points: &[(f64, f64)]) -> f64 {
     let logs: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / logs.len() as f64;

@@ -38,8 +38,9 @@ impl Cost {
     }
 }
 
-/// The costs of all methods, by method, then size. The noise falls with the distance of the points,
-/// of which it is 3 % at 4 m, so that scans of every size show about the same number of segments.
+/// Returns the costs of all methods, by method, then size. The noise falls with the distance of the
+/// points, of which it is 3 % at 4 m, so that scans of every size show about the same number of
+/// segments.
 pub(super) fn costs(set: Set, step_done: impl Fn()) -> Vec<Cost> {
     let scans = in_parallel(SIZES.len(), |i| {
         let range_noise_m = range_noise_m(SIZES[i]);

@@ -25,7 +25,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// A count in percent of the truth regions; 0 if there are none.
+    /// Returns a count in percent of the truth regions; 0 if there are none.
     pub fn percent(&self, count: usize) -> f64 {
         100.0 * count as f64 / self.truth_regions.max(1) as f64
     }

@@ -100,7 +100,8 @@ fn split(results: &Results) -> Figure {
 /// Label of the axis, and what is counted.
 type Class = (&'static str, fn(&Counts) -> usize);
 
-/// A row of panels for each class, a panel for each level of noise, a curve for each method.
+/// Returns a row of panels for each class, a panel for each level of noise, a curve for each
+/// method.
 fn over_tolerance(results: &Results, name: &'static str, caption: &str, classes: &[Class]) -> Figure {
     let row = |&(label, class): &Class| {
         let curve = |method, noise_mm| {

@@ -38,7 +38,7 @@ pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
         let cost = move |n: usize| Cost { method, rows: n, columns: 100, ns_per_point: [10.0, 30.0][method] };
         [100, 1000, 10_000].map(cost)
     });
-    let even = Angles::Even { start: 0.0, step: 1.0 };
+    let even = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
     let geometry = Geometry {
         unit_m: 0.001,
         no_return: vec![],

@@ -24,7 +24,7 @@ pub fn files(results: &Results) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// The tables as CSV files.
+/// Returns the tables as CSV files.
 fn data(results: &Results) -> [(&'static str, Table); 3] {
     let [curves, scenes, costs] = [tables::curves(results), tables::all_scenes(results), tables::costs(results)];
     [("curves.csv", curves), ("scenes.csv", scenes), ("cost.csv", costs)]
@@ -38,7 +38,7 @@ fn scenes_title() -> String {
     format!("Correct detections by scene, T = {:.1}", f64::from(TABLE_TOLERANCES[0]) / 100.0)
 }
 
-/// The tables as Markdown.
+/// Returns the tables as Markdown.
 pub fn markdown(results: &Results) -> String {
     let by_class = TABLE_TOLERANCES.map(|percent| (title(percent), tables::classes(results, percent)));
     let by_scene = (scenes_title(), tables::scenes(results, TABLE_TOLERANCES[0]));
@@ -47,7 +47,7 @@ pub fn markdown(results: &Results) -> String {
         + "\n"
 }
 
-/// The page. It needs no other file but for its links to the data.
+/// Returns the page. It needs no other file but for its links to the data.
 pub fn page(results: &Results, figures: &[Figure]) -> String {
     let parts = [
         ("{{version}}", env!("CARGO_PKG_VERSION").to_string()),
@@ -61,7 +61,7 @@ pub fn page(results: &Results, figures: &[Figure]) -> String {
     parts.iter().fold(include_str!("report.html").to_string(), |page, (name, part)| page.replace(name, part))
 }
 
-/// The result in two sentences.
+/// Returns the result in two sentences.
 fn summary(results: &Results) -> String {
     let percent = TABLE_TOLERANCES[0];
     let at = |name: &str, mm: u32| {
@@ -95,8 +95,7 @@ fn what(results: &Results) -> String {
          pixels or more; smaller regions and segments do not count. The scanner nods: {rows} rows of {columns} beams, 0.5 \
          degrees apart both ways. Its ranges have normal noise of {} mm (one standard deviation).</p>\n\
          <p>Methods: {}. The paper’s two, {EDGE} and {REGION}, have the settings of <code>EdgeConfig::paper()</code> and \
-         <code>RegionConfig::paper()</code>, with \
-         <code>range_noise_m</code> that of the scanner, at least 1 mm.</p>\n\
+         <code>RegionConfig::paper()</code>, with <code>range_noise_m</code> that of the scanner, at least 1 mm.</p>\n\
          <p>Classes are those of Hoover et al. (1996): a segment is a correct detection of a truth region if they share the \
          part T or more of both. Cost: median of {} to {} rounds of the core alone on one processor core, from ranges in memory to labels \
          and planes, on scans whose noise is 3 % of the distance between points at 4 m.</p>",

@@ -42,7 +42,7 @@ impl Results {
         Results { set, scenes, methods, noises_mm: NOISES_MM.to_vec(), runs, sample, rims, costs }
     }
 
-    /// How many steps an experiment has, for a progress bar.
+    /// Returns how many steps an experiment has, for a progress bar.
     pub fn steps(scenes: u32) -> usize {
         scenes as usize * NOISES_MM.len() + cost::STEPS
     }
@@ -52,18 +52,18 @@ impl Results {
         self.methods.iter().position(|method| *method == name)
     }
 
-    /// The runs of a method at a level of noise.
+    /// Returns the runs of a method at a level of noise.
     pub fn of_method(&self, method: usize, noise_mm: u32) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| (run.method, run.noise_mm) == (method, noise_mm))
     }
 
-    /// The counts of all scenes together. The tolerance is one of [`TOLERANCES`].
+    /// Returns the counts of all scenes together. The tolerance is one of [`TOLERANCES`].
     pub fn counts(&self, method: usize, noise_mm: u32, tolerance_percent: u32) -> Counts {
         let at = (tolerance_percent - TOLERANCES.start()) as usize;
         self.of_method(method, noise_mm).map(|run| run.at[at]).sum()
     }
 
-    /// The part of all returns that is in no segment, percent.
+    /// Returns the part of all returns that is in no segment, percent.
     pub fn left_out_percent(&self, method: usize, noise_mm: u32) -> f64 {
         let sum = |of: fn(&Run) -> usize| self.of_method(method, noise_mm).map(of).sum::<usize>() as f64;
         100.0 * (1.0 - sum(|run| run.in_segments) / sum(|run| run.returns).max(1.0))

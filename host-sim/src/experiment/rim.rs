@@ -1,4 +1,4 @@
-//! The most that a method can reach whose edge pixels belong to nobody.
+//! The most that a method can reach whose edge pixels belong to no region.
 
 use crate::experiment::method::{MIN_PIXELS, SIZE};
 use crate::experiment::parallel::in_parallel;
@@ -32,8 +32,8 @@ pub fn rims(set: Set, scenes: u32, tolerance_percent: u32) -> Vec<Rim> {
     vec![rim(1), rim(2)]
 }
 
-/// The regions without those of their pixels that have another region (not 0) within `width`
-/// pixels, diagonally too.
+/// Returns the regions without those of their pixels that have another region (not 0) within
+/// `width` pixels, diagonally too.
 fn without_rim(truth: &[u16], columns: usize, width: usize) -> Vec<u16> {
     let rows = truth.len() / columns;
     let near = |at: usize, end: usize| at.saturating_sub(width)..(at + width + 1).min(end);

@@ -40,7 +40,7 @@ pub struct BearingError {
 }
 
 impl Sample {
-    /// The sample of a set.
+    /// Returns the sample of a set.
     pub fn of(set: Set) -> Sample {
         let (ideal, truth, geometry) = scan(set, SCENE, SIZE, 0.0);
         let mut numbers = vec![vec![]; METHODS.len()];

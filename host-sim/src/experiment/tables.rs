@@ -74,8 +74,8 @@ fn cells(c: &Counts) -> [String; 7] {
         .map(|n| n.to_string())
 }
 
-/// The classes at one tolerance of [`TOLERANCES`], all scenes together: a line for each level of
-/// noise and method.
+/// Returns the classes at one tolerance of [`TOLERANCES`], all scenes together: a line for each
+/// level of noise and method.
 pub fn classes(results: &Results, tolerance_percent: u32) -> Table {
     let line = |mm: u32, method: usize| {
         let counts = results.counts(method, mm, tolerance_percent);
@@ -105,8 +105,8 @@ pub fn scenes(results: &Results, tolerance_percent: u32) -> Table {
     Table { head, numbers: 1, lines: lines.collect() }
 }
 
-/// The classes at the tolerances of the tables: a line for each scene, level of noise, method and
-/// tolerance.
+/// Returns the classes at the tolerances of the tables: a line for each scene, level of noise,
+/// method and tolerance.
 pub fn all_scenes(results: &Results) -> Table {
     let head = [&["scene", "noise mm", "method", "tolerance"][..], &COUNTED].concat();
     let lines = results.runs.iter().flat_map(|run| {
@@ -134,7 +134,7 @@ pub fn curves(results: &Results) -> Table {
     Table::new(&head, 3, lines.into_iter())
 }
 
-/// The times.
+/// Returns the times.
 pub fn costs(results: &Results) -> Table {
     let lines = results.costs.iter().map(|cost| {
         let size = [cost.rows, cost.columns, cost.points()].map(|n| n.to_string());

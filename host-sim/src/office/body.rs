@@ -173,7 +173,7 @@ impl Place {
         [0, 1, 2].map(|i| self.origin[i] + d[i])
     }
 
-    /// A place given in this one's terms.
+    /// Returns a place given in this one's terms.
     pub fn then(&self, at: Vector, yaw_deg: f64) -> Self {
         let turn = Place::new(0.0, 0.0, yaw_deg);
         let [cos, sin, _] = self.direction([turn.cos, turn.sin, 0.0]);
@@ -240,7 +240,7 @@ impl Builder {
     }
 }
 
-/// A rectangle in the terms of a place: its outer side is u x v.
+/// Returns a rectangle in the terms of a place: its outer side is u x v.
 pub(super) fn rectangle(place: &Place, corner: Vector, u: Vector, v: Vector, size: [f64; 2]) -> Surface {
     Surface::Rectangle {
         corner: place.point(corner),

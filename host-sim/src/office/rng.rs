@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 pub(super) struct Rng(u64);
 
 impl Rng {
-    /// A stream of its own for each combination of keys.
+    /// Returns a stream of its own for each combination of keys.
     pub fn new(keys: [u64; 3]) -> Self {
         let mut rng = Rng(0);
         for key in keys {

@@ -43,7 +43,7 @@ impl Room {
         Self { length, width, height, builder: Builder::default(), rng, scanner, taken, openings: Default::default() }
     }
 
-    /// The place of a wall and how long it is.
+    /// Returns the place of a wall and how long it is.
     fn wall(&self, wall: usize) -> (Place, f64) {
         let (l, w) = (self.length, self.width);
         match wall {
@@ -72,8 +72,8 @@ impl Room {
         free
     }
 
-    /// A free spot with its back at a wall, for something of this depth and width; what is taller
-    /// than a window's sill does not stand before the window.
+    /// Returns a free spot with its back at a wall, for something of this depth and width; what is
+    /// taller than a window's sill does not stand before the window.
     pub fn at_wall(&mut self, wall: usize, [depth, width, height]: Vector) -> Option<Place> {
         let (place, length) = self.wall(wall);
         for _ in 0..16 {
@@ -87,14 +87,14 @@ impl Room {
         None
     }
 
-    /// A free spot at one of the walls in view, or else at the wall behind the scanner.
+    /// Returns a free spot at one of the walls in view, or else at the wall behind the scanner.
     pub fn at_some_wall(&mut self, size: Vector) -> Option<Place> {
         let first = self.rng.below(3);
         (0..3).find_map(|i| self.at_wall(1 + (first + i) % 3, size)).or_else(|| self.at_wall(0, size))
     }
 
-    /// A free spot away from the walls and from the scanner, turned up to `turn_deg` either way
-    /// from one of the room's four directions.
+    /// Returns a free spot away from the walls and from the scanner, turned up to `turn_deg` either
+    /// way from one of the room's four directions.
     pub fn in_the_open(&mut self, [depth, width]: [f64; 2], turn_deg: f64) -> Option<Place> {
         for _ in 0..24 {
             let (x, y) = (self.rng.between(0.5, self.length - 0.5), self.rng.between(0.5, self.width - 0.5));

@@ -24,8 +24,8 @@ impl Scene {
         Self { bodies: builder.bodies, position, heading: Place::new(0.0, 0.0, heading_deg), set, number }
     }
 
-    /// The first surface that a beam meets: range in metres and surface id. `direction` is a unit
-    /// vector in the scanner's frame. None where the beam is lost in a window.
+    /// Returns the first surface that a beam meets: range in metres and surface id. `direction` is
+    /// a unit vector in the scanner's frame. None where the beam is lost in a window.
     pub fn cast(&self, direction: [f64; 3]) -> Option<(f64, u16)> {
         let ray = self.heading.direction(direction);
         let mut nearest = (f64::INFINITY, 0);
@@ -35,9 +35,9 @@ impl Scene {
         (nearest.1 != 0).then_some(nearest)
     }
 
-    /// The plane of a surface in the scanner's frame: the points p with n . p = d, n being the unit
-    /// normal on its outer side and d in metres. None for curved surfaces and ids that the scene
-    /// does not have.
+    /// Returns the plane of a surface in the scanner's frame: the points p with n . p = d, n being
+    /// the unit normal on its outer side and d in metres. None for curved surfaces and ids that the
+    /// scene does not have.
     pub fn plane(&self, id: u16) -> Option<([f64; 3], f64)> {
         let holds = |b: &&Body| b.first_id != 0 && (b.first_id..b.first_id + b.surfaces.len() as u16).contains(&id);
         let body = self.bodies.iter().find(holds)?;

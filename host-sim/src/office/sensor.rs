@@ -60,34 +60,34 @@ impl Sensor {
         }
     }
 
-    /// The paper's set-up: a 2D scanner that nods. Columns go from -90 (right) to +90 degrees
-    /// (left) inclusive; rows turn through 100 degrees, from 50 up downwards. 200 rows x 361
-    /// columns make steps of 0.5 degrees.
+    /// Returns the paper's set-up: a 2D scanner that nods. Columns go from -90 (right) to +90
+    /// degrees (left) inclusive; rows turn through 100 degrees, from 50 up downwards. 200 rows x
+    /// 361 columns make steps of 0.5 degrees.
     pub fn nodding(rows: usize, columns: usize) -> Self {
         let kind = Kind::Nodding {
-            beam_deg: Angles::Even { start: -90.0, step: 180.0 / columns.saturating_sub(1).max(1) as f64 },
-            turn_deg: Angles::Even { start: 50.0, step: -100.0 / rows.max(1) as f64 },
+            beam_deg: Angles::Even { start_deg: -90.0, step_deg: 180.0 / columns.saturating_sub(1).max(1) as f64 },
+            turn_deg: Angles::Even { start_deg: 50.0, step_deg: -100.0 / rows.max(1) as f64 },
             turn_axis: TurnAxis::Y,
         };
         Self::ideal(rows, columns, kind)
     }
 
-    /// A spinning scanner: columns go once round from straight behind by the left, so that forward
-    /// is in the middle; rows go from 45 degrees up to 45 down.
+    /// Returns a spinning scanner: columns go once round from straight behind by the left, so that
+    /// forward is in the middle; rows go from 45 degrees up to 45 down.
     pub fn spinning(rows: usize, columns: usize) -> Self {
         let kind = Kind::Spinning {
-            azimuth_deg: Angles::Even { start: 180.0, step: -360.0 / columns.max(1) as f64 },
-            elevation_deg: Angles::Even { start: 45.0, step: -90.0 / rows.saturating_sub(1).max(1) as f64 },
+            azimuth_deg: Angles::Even { start_deg: 180.0, step_deg: -360.0 / columns.max(1) as f64 },
+            elevation_deg: Angles::Even { start_deg: 45.0, step_deg: -90.0 / rows.saturating_sub(1).max(1) as f64 },
             wraps: true,
         };
         Self::ideal(rows, columns, kind)
     }
 
-    /// A camera that looks forward, 70 degrees wide, with square pixels.
+    /// Returns a camera that looks forward, 70 degrees wide, with square pixels.
     pub fn pinhole(rows: usize, columns: usize) -> Self {
-        let f = columns.max(1) as f64 / 2.0 / libm::tan(35f64.to_radians());
-        let (cx, cy) = ((columns as f64 - 1.0) / 2.0, (rows as f64 - 1.0) / 2.0);
-        Self::ideal(rows, columns, Kind::Pinhole { fx: f, fy: f, cx, cy, depth: Depth::Range })
+        let f_px = columns.max(1) as f64 / 2.0 / libm::tan(35f64.to_radians());
+        let (cx_px, cy_px) = ((columns as f64 - 1.0) / 2.0, (rows as f64 - 1.0) / 2.0);
+        Self::ideal(rows, columns, Kind::Pinhole { fx_px: f_px, fy_px: f_px, cx_px, cy_px, depth: Depth::Range })
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -220,7 +220,7 @@ impl Scene {
     }
 }
 
-/// The beams as reported and as they truly point.
+/// Returns the beams as reported and as they truly point.
 fn turned(sensor: &Sensor, uneven: &mut Rng, misreported: &mut Rng) -> (Kind, Kind) {
     let (mut reported, mut pointed) = (sensor.kind.clone(), sensor.kind.clone());
     if let (Kind::Nodding { turn_deg: said, .. }, Kind::Nodding { turn_deg: done, .. }) = (&mut reported, &mut pointed)
@@ -245,8 +245,8 @@ fn turned(sensor: &Sensor, uneven: &mut Rng, misreported: &mut Rng) -> (Kind, Ki
     (reported, pointed)
 }
 
-/// The range beyond a depth edge beside pixel `i`: of the neighbours across one, that which differs
-/// most.
+/// Returns the range beyond a depth edge beside pixel `i`: of the neighbours across one, that which
+/// differs most.
 fn across_edge(sensor: &Sensor, range_m: &[f64], truth: &[u16], i: usize) -> Option<f64> {
     let (row, column) = (i / sensor.columns, i % sensor.columns);
     let neighbours = [
@@ -270,7 +270,7 @@ enum Directions {
     /// The angles of rows and columns, and which formula joins them.
     Angular { rows: Vec<CosSin>, columns: Vec<CosSin>, join: fn(CosSin, CosSin) -> [f64; 3] },
     /// Focal lengths and centre, along a row and along a column.
-    Pinhole { f: [f64; 2], c: [f64; 2] },
+    Pinhole { f_px: [f64; 2], c_px: [f64; 2] },
 }
 
 impl Directions {
@@ -293,14 +293,16 @@ impl Directions {
                 columns: table(azimuth_deg, columns),
                 join: |(ce, se), (ca, sa)| [ce * ca, ce * sa, se],
             },
-            Kind::Pinhole { fx, fy, cx, cy, .. } => Directions::Pinhole { f: [*fx, *fy], c: [*cx, *cy] },
+            Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
+                Directions::Pinhole { f_px: [*fx_px, *fy_px], c_px: [*cx_px, *cy_px] }
+            }
         }
     }
 
     fn direction(&self, row: usize, column: usize) -> [f64; 3] {
         match self {
             Directions::Angular { rows, columns, join } => join(rows[row], columns[column]),
-            Directions::Pinhole { f, c } => {
+            Directions::Pinhole { f_px: f, c_px: c } => {
                 let (u, v) = (-(column as f64 - c[0]) / f[0], -(row as f64 - c[1]) / f[1]);
                 let n = libm::sqrt(1.0 + u * u + v * v);
                 [1.0 / n, u / n, v / n]

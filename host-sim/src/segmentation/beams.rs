@@ -14,8 +14,8 @@ pub struct ScanBeams {
 }
 
 impl ScanBeams {
-    /// The beams of an image of `rows` x `columns` pixels. Even azimuths that go round, but not
-    /// exactly once, become a list, so that the angle across the seam is the true one.
+    /// Returns the beams of an image of `rows` x `columns` pixels. Even azimuths that go round, but
+    /// not exactly once, become a list, so that the angle across the seam is the true one.
     ///
     /// # Errors
     /// If the geometry does not fit the image, see [`Geometry::fits`].
@@ -30,8 +30,8 @@ impl ScanBeams {
             Kind::Spinning { azimuth_deg, elevation_deg, wraps } => {
                 let listed = match azimuth_deg {
                     Angles::Listed(_) => true,
-                    Angles::Even { step, .. } => {
-                        *wraps && (step.abs() * columns as f64 - 360.0).abs() > 0.009 * step.abs()
+                    Angles::Even { step_deg, .. } => {
+                        *wraps && (step_deg.abs() * columns as f64 - 360.0).abs() > 0.009 * step_deg.abs()
                     }
                 };
                 (list(elevation_deg, rows), if listed { list(azimuth_deg, columns) } else { vec![] })
@@ -41,11 +41,11 @@ impl ScanBeams {
         Ok(ScanBeams { kind: geometry.kind.clone(), columns_rad, rows_rad })
     }
 
-    /// For the core.
+    /// Returns the beams for the core.
     pub fn beams(&self) -> Beams<'_> {
         let columns = |angles: &Angles| match *angles {
-            Angles::Even { start, step } if self.columns_rad.is_empty() => {
-                Columns::Even { start_rad: radians(start), step_rad: step.to_radians() as f32 }
+            Angles::Even { start_deg, step_deg } if self.columns_rad.is_empty() => {
+                Columns::Even { start_rad: radians(start_deg), step_rad: step_deg.to_radians() as f32 }
             }
             _ => Columns::Listed(&self.columns_rad),
         };
@@ -56,14 +56,14 @@ impl ScanBeams {
             Kind::Spinning { azimuth_deg, wraps, .. } => {
                 Beams::Spinning { columns: columns(azimuth_deg), wraps: *wraps }
             }
-            &Kind::Pinhole { fx, fy, cx, cy, .. } => {
-                let [fx_px, fy_px, cx_px, cy_px] = [fx, fy, cx, cy].map(|px| px as f32);
+            &Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
+                let [fx_px, fy_px, cx_px, cy_px] = [fx_px, fy_px, cx_px, cy_px].map(|px| px as f32);
                 Beams::Pinhole { fx_px, fy_px, cx_px, cy_px }
             }
         }
     }
 
-    /// The angle to push with each row, radians.
+    /// Returns the angle to push with each row, radians.
     pub fn rows_rad(&self) -> &[f32] {
         &self.rows_rad
     }
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn even_angles_stay_even_unless_the_seam_would_be_wrong() {
         let spinning = |step, columns, wraps| {
-            let azimuth_deg = Angles::Even { start: 540.0, step };
+            let azimuth_deg = Angles::Even { start_deg: 540.0, step_deg: step };
             let elevation_deg = Angles::Listed(vec![10.0, -5.0]);
             let kind = Kind::Spinning { azimuth_deg, elevation_deg, wraps };
             let (min_range_m, max_range_m, range_noise_m) = (None, None, None);

@@ -6,8 +6,8 @@ use scanseg_formats::{Geometry, RangeImage};
 use crate::segmentation::beams::ScanBeams;
 use crate::segmentation::error::{SegmentationError, check_size};
 
-/// The bearing angles of a scan along a trace, as [`bearing_row`] gives them; 0 where there is
-/// none.
+/// Returns the bearing angles of a scan along a trace, as [`bearing_row`] gives them; 0 where there
+/// is none.
 ///
 /// # Errors
 /// As [`crate::segmentation::Segmentation::of`].

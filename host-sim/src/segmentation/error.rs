@@ -57,8 +57,8 @@ impl From<PushError> for SegmentationError {
     }
 }
 
-/// Whether the core takes images of this size: up to [`MAX_ROWS`] x [`MAX_COLUMNS`] pixels, and not
-/// empty.
+/// Checks that the core takes images of this size: up to [`MAX_ROWS`] x [`MAX_COLUMNS`] pixels, and
+/// not empty.
 ///
 /// # Errors
 /// [`SegmentationError::Size`] if not.

@@ -64,13 +64,13 @@ impl Segmentation {
         Ok(Segmentation { rows: scan.rows, columns: scan.columns, labels, edges, closed_edges, segments, unlabelled })
     }
 
-    /// The segments of at least `min_pixels` pixels.
+    /// Returns the segments of at least `min_pixels` pixels.
     pub fn of_pixels(&self, min_pixels: u32) -> &[Segment] {
         &self.segments[..self.segments.partition_point(|s| s.pixels() >= min_pixels)]
     }
 
-    /// The segment number of each pixel, from 1, the largest; 0 for no segment and for those below
-    /// `min_pixels`.
+    /// Returns the segment number of each pixel, from 1, the largest; 0 for no segment and for
+    /// those below `min_pixels`.
     pub fn numbers(&self, min_pixels: u32) -> Vec<u32> {
         let last = self.segments.iter().map(|s| s.label.0).max().unwrap_or(0);
         let mut number_of = vec![0; last as usize + 1];
@@ -164,7 +164,7 @@ mod tests {
     }
 
     fn camera() -> Geometry {
-        geometry(Kind::Pinhole { fx: 100.0, fy: 100.0, cx: 4.0, cy: 10.0, depth: Depth::Z })
+        geometry(Kind::Pinhole { fx_px: 100.0, fy_px: 100.0, cx_px: 4.0, cy_px: 10.0, depth: Depth::Z })
     }
 
     #[test]
@@ -217,10 +217,10 @@ mod tests {
         assert_eq!(wide, SegmentationError::Size { rows: 1, columns: MAX_COLUMNS + 1 });
         assert!(matches!(run(&image(MAX_ROWS + 1, 1), &camera()), SegmentationError::Size { .. }));
         assert!(matches!(run(&image(0, 0), &camera()), SegmentationError::Size { .. }));
-        let (beam_deg, turn_deg) = (Angles::Even { start: 0.0, step: 1.0 }, Angles::Listed(vec![0.0, 1.0]));
+        let (beam_deg, turn_deg) = (Angles::Even { start_deg: 0.0, step_deg: 1.0 }, Angles::Listed(vec![0.0, 1.0]));
         let kind = Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y };
         assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Geometry(_)));
-        let kind = Kind::Pinhole { fx: 1e9, fy: 1.0, cx: 0.0, cy: 0.0, depth: Depth::Z };
+        let kind = Kind::Pinhole { fx_px: 1e9, fy_px: 1.0, cx_px: 0.0, cy_px: 0.0, depth: Depth::Z };
         assert!(matches!(run(&image(3, 4), &geometry(kind)), SegmentationError::Config(_)));
     }
 }

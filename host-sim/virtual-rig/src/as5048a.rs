@@ -24,7 +24,7 @@ impl<F: FnMut() -> f64> VirtualAs5048a<F> {
         Self { shaft, answer: 0, faults: 0, diagnostics: 0x0180, flip: 0 }
     }
 
-    /// The frame to the sensor against the frame from it.
+    /// Takes the frame to the sensor and returns the frame from it.
     fn frame(&mut self, sent: u16) -> u16 {
         let received = sent ^ core::mem::take(&mut self.flip);
         let answer = self.answer;

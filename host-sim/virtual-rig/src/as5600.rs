@@ -21,7 +21,7 @@ impl<F: FnMut() -> f64> VirtualAs5600<F> {
 }
 
 /// Nobody on the bus has acknowledged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoAcknowledge;
 
 impl Error for NoAcknowledge {

@@ -15,7 +15,7 @@ use crate::lms2xx::VirtualLms;
 use crate::measurement::Beam;
 
 /// What is wrong with the encoder.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EncoderFault {
     /// Nothing.
     None,
@@ -23,8 +23,11 @@ pub enum EncoderFault {
     Dead,
     /// It says what it said last.
     Stuck,
-    /// It is off by so much, radians.
-    Off(f64),
+    /// It is off.
+    Off {
+        /// By how much, radians.
+        by_rad: f64,
+    },
 }
 
 /// A tilt: turn angle in radians at a time in microseconds.
@@ -50,7 +53,7 @@ pub struct Chain<'a, S> {
 }
 
 /// What came in a step of a [`Chain`].
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrival {
     /// When.
     pub time_us: u64,
@@ -60,8 +63,8 @@ pub struct Arrival {
     pub latch: Option<Latch>,
 }
 
-/// A scanner on a tilt that moves so, with mode and unit of these settings. `range_m` gives the
-/// range at a bearing from the right edge of the field of view, in degrees, and a turn angle in
+/// Returns a scanner on a tilt that moves so, with mode and unit of these settings. `range_m` gives
+/// the range at a bearing from the right edge of the field of view, in degrees, and a turn angle in
 /// radians; 0 or less where nothing returns.
 #[must_use]
 pub fn scanner_on_tilt(
@@ -103,19 +106,20 @@ impl<'a, S: Segmenter> Chain<'a, S> {
         }
     }
 
-    /// Time of the simulation, microseconds.
+    /// Returns the time of the simulation, microseconds.
     #[must_use]
     pub fn now_us(&self) -> u64 {
         self.now_us
     }
 
-    /// How far the session is with its scanner.
+    /// Returns how far the session is with its scanner.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.session.phase()
     }
 
-    /// Does what the session says once; a wait is taken in steps of a millisecond.
+    /// Does what the session says once. A wait is taken in steps of a millisecond. Returns what
+    /// came meanwhile.
     pub fn step(&mut self, sink: &mut impl RigSink) -> Arrival {
         let mut came = Arrival::default();
         match self.session.poll((self.now_us / 1000) as u32) {
@@ -150,7 +154,7 @@ impl<'a, S: Segmenter> Chain<'a, S> {
             EncoderFault::None => self.shaft_turns.set(truth_turns),
             EncoderFault::Dead => return None,
             EncoderFault::Stuck => {}
-            EncoderFault::Off(rad) => self.shaft_turns.set(truth_turns + rad / std::f64::consts::TAU),
+            EncoderFault::Off { by_rad } => self.shaft_turns.set(truth_turns + by_rad / std::f64::consts::TAU),
         }
         let now_us = self.now_us;
         self.tilt.read(&mut || now_us).ok()

@@ -24,7 +24,7 @@ const FAST_BYTE_US: u64 = 75;
 const TYPE: &[u8] = b"LMS200;301063;V02.10 ";
 
 /// What the scanner does wrong with a command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mishap {
     /// Nothing.
     None,
@@ -45,7 +45,7 @@ pub enum Mishap {
 }
 
 /// What is done when an answer has gone out.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum After {
     Nothing,
     Rate(Baud),
@@ -92,8 +92,9 @@ pub struct VirtualLms {
 }
 
 impl VirtualLms {
-    /// A scanner that measures what `ranges` says, in counts of whatever unit is configured. As
-    /// delivered: 9600 Bd, 100 degrees in steps of 1 degree, centimetres, 8 m measuring mode.
+    /// Returns a scanner that measures what `ranges` says, in counts of whatever unit is
+    /// configured. As delivered: 9600 Bd, 100 degrees in steps of 1 degree, centimetres, 8 m
+    /// measuring mode.
     #[must_use]
     pub fn new(ranges: impl FnMut(Beam) -> u16 + 'static) -> Self {
         let mut configuration = [0; 34];
@@ -124,8 +125,8 @@ impl VirtualLms {
         }
     }
 
-    /// As if it had been found running: past its start, at this rate, sending complete scans of
-    /// this variant.
+    /// Returns it as if it had been found running: past its start, at this rate, sending complete
+    /// scans of this variant.
     #[must_use]
     pub fn running(mut self, baud: Baud, variant: Variant) -> Self {
         self.booting_until_us = None;
@@ -133,20 +134,20 @@ impl VirtualLms {
         self
     }
 
-    /// As if this measuring mode and unit were in its EEPROM.
+    /// Returns it as if this measuring mode and unit were in its EEPROM.
     #[must_use]
     pub fn configured(mut self, mode: MeasuringMode, unit: Unit) -> Self {
         (self.configuration[5], self.configuration[6]) = (mode.code(), unit.code());
         self
     }
 
-    /// Measuring mode and unit as its EEPROM has them, by their codes.
+    /// Returns measuring mode and unit as its EEPROM has them, by their codes.
     #[must_use]
     pub fn mode_and_unit(&self) -> (u8, u8) {
         (self.configuration[5], self.configuration[6])
     }
 
-    /// It sends scans.
+    /// Returns whether it sends scans.
     #[must_use]
     pub fn is_scanning(&self) -> bool {
         !matches!(self.mode, Mode::Idle | Mode::Install)
@@ -165,7 +166,7 @@ impl VirtualLms {
         time_us
     }
 
-    /// What has come from it by `now_us`, to a port that listens at this rate.
+    /// Returns what has come from it by `now_us`, to a port that listens at this rate.
     pub fn read(&mut self, now_us: u64, baud: Baud) -> Vec<u8> {
         self.advance(now_us);
         let mut bytes = Vec::new();

@@ -8,7 +8,7 @@ use crate::mode::Mode;
 const TURN_US: f64 = 40_000.0 / 3.0;
 
 /// A beam as the scanner measures it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// Bearing from the right edge of the field of view, counter-clockwise, degrees.
     pub bearing_deg: f64,
@@ -18,7 +18,7 @@ pub struct Beam {
 
 /// A turn of the mirror that has just ended: its beams, one every degree, were measured before, the
 /// leftmost last.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct MirrorTurn {
     pub end_us: u64,
     /// Which of the turns that make a scan of all columns, from 0.
@@ -30,7 +30,7 @@ pub(crate) struct MirrorTurn {
 }
 
 impl MirrorTurn {
-    /// Whether a scan is complete with it.
+    /// Returns whether a scan is complete with it.
     pub(crate) fn completes_scan(&self) -> bool {
         self.mode == Mode::Interlaced || self.number + 1 == self.turns()
     }

@@ -2,7 +2,7 @@
 
 use scanseg_hal::lms2xx::Baud;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     Idle,
     Install,
@@ -18,7 +18,7 @@ pub(crate) enum Mode {
 }
 
 /// What the command to change the mode asks for.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum ModeChange {
     Mode(Mode),
     /// The mode stays, the rate of the line changes.

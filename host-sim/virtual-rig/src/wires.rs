@@ -3,7 +3,7 @@
 use scanseg_hal::lms2xx::Baud;
 
 /// Damage on the wires, in both directions: of so many bytes one suffers, 0 for none.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WireFaults {
     /// Bytes that vanish.
     pub drop_one_in: u32,
@@ -19,7 +19,7 @@ pub struct WireFaults {
 pub const BURST: u32 = 60;
 
 /// Wires with faults. Chance is the same in every run.
-#[derive(Debug, Clone)]
+#[derive(Clone, Debug)]
 pub struct Wires {
     /// Damage from now on.
     pub faults: WireFaults,
@@ -34,7 +34,7 @@ impl Default for Wires {
 }
 
 impl Wires {
-    /// What becomes of a byte: nothing, itself, another one, or two.
+    /// Returns what becomes of a byte: nothing, itself, another one, or two.
     pub fn damage(&mut self, byte: u8) -> impl Iterator<Item = u8> + use<> {
         let faults = self.faults;
         let mut strikes = |one_in: u32| one_in > 0 && self.next_random().is_multiple_of(u64::from(one_in));
@@ -51,7 +51,7 @@ impl Wires {
         kept.into_iter().chain(inserted.then_some((random >> 8) as u8))
     }
 
-    /// What a byte sent at one rate is taken for at another: nothing at all, or anything.
+    /// Returns what a byte sent at one rate is taken for at another: nothing at all, or anything.
     pub fn garble(&mut self, byte: u8, sent_at: Baud, read_at: Baud) -> Option<u8> {
         if sent_at == read_at {
             return Some(byte);

@@ -15,7 +15,7 @@ const TELEGRAM: usize = 372;
 const TURN_US: f64 = MIRROR_TURN_US as f64;
 
 /// What happens to the scanner's bytes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum LineTrouble {
     Good,
     Loss,
@@ -27,7 +27,7 @@ enum LineTrouble {
 }
 
 /// What happens to the samples of the tilt, now and then for some milliseconds.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum EncoderTrouble {
     Good,
     Stuck,

@@ -35,7 +35,7 @@ struct World {
     put_off: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Broken;
 
 impl core::fmt::Display for Broken {

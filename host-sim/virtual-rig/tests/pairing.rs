@@ -13,7 +13,7 @@ const FARTHEST_M: f64 = 6.0;
 
 /// How far from the truth, root mean square over all beams, and at most: turn angles (mrad), and
 /// points from the floor (mm).
-#[derive(Debug, Default, Clone, Copy)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     turn_mrad: f64,
     worst_mrad: f64,

@@ -167,7 +167,7 @@ fn encoder_glitches() {
         bench.run_ms(70 + random.below(150));
         let size_rad = 0.004 * 800f64.powf(random.below(1000) as f64 / 1000.0);
         let off_rad = if random.below(2) == 0 { size_rad } else { -size_rad };
-        bench.chain.encoder_fault = EncoderFault::Off(off_rad);
+        bench.chain.encoder_fault = EncoderFault::Off { by_rad: off_rad };
         bench.run_ms(1 + random.below(14));
         bench.chain.encoder_fault = EncoderFault::None;
         let now = bench.seen.finished.len();
@@ -192,7 +192,7 @@ fn encoder_slips() {
         let mut bench = Bench::new();
         run_scans(&mut bench, 1);
         bench.run_ms(900);
-        bench.chain.encoder_fault = EncoderFault::Off(off_rad);
+        bench.chain.encoder_fault = EncoderFault::Off { by_rad: off_rad };
         run_scans(&mut bench, 3);
         println!("{off_rad}: {:?}", bench.counters());
         assert!(bench.counters().jump > 0);

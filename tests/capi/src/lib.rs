@@ -11,9 +11,10 @@ pub const COLUMNS: usize = if cfg!(miri) { 20 } else { 181 };
 /// Reduced under Miri.
 pub const ROWS: usize = if cfg!(miri) { 5 } else { 60 };
 
+/// All approaches.
 pub const APPROACHES: [u32; 3] = [SCANSEG_PLANE, SCANSEG_EDGE, SCANSEG_REGION];
 
-/// The defaults.
+/// Returns the defaults.
 pub fn defaults() -> Config {
     let mut config = std::mem::MaybeUninit::<Config>::uninit();
     // SAFETY: room for one configuration; initialised if that is said.
@@ -38,6 +39,7 @@ pub fn nodding(approach: u32) -> Config {
     }
 }
 
+/// Returns an output without arrays.
 pub fn output() -> Output {
     Output {
         struct_size: size_of::<Output>() as u32,
@@ -56,7 +58,7 @@ pub fn output() -> Output {
     }
 }
 
-/// Bytes that a configuration needs.
+/// Returns the bytes that a configuration needs.
 pub fn state_size(config: &Config) -> Result<usize, Status> {
     let mut size = usize::MAX;
     // SAFETY: references.
@@ -71,17 +73,27 @@ pub fn state_size(config: &Config) -> Result<usize, Status> {
 
 /// A segmenter, all its labels and events.
 pub struct Session {
+    /// Its memory.
     pub memory: *mut u64,
+    /// Words of 64 bits of the memory.
     pub words: usize,
+    /// The segmenter in it.
     pub segmenter: *mut State,
+    /// Columns of the image.
     pub columns: usize,
     /// The most events of one call.
     pub most_events: usize,
+    /// The labels of all rows so far.
     pub labels: Vec<u32>,
+    /// All events so far.
     pub events: Vec<Event>,
 }
 
 impl Session {
+    /// Makes a segmenter in memory of its own.
+    ///
+    /// # Panics
+    /// If the configuration is refused.
     pub fn new(config: &Config) -> Session {
         let words = state_size(config).unwrap().div_ceil(8);
         // what was there before must not matter
@@ -119,6 +131,7 @@ impl Session {
         status
     }
 
+    /// Pushes a row.
     pub fn push(&mut self, ranges_m: &[f32], turn_rad: f32) -> Status {
         // SAFETY: the segmenter of this session, and arrays of these sizes.
         self.call(1, |segmenter, out| unsafe {
@@ -126,11 +139,13 @@ impl Session {
         })
     }
 
+    /// Ends the scan.
     pub fn finish(&mut self) -> Status {
         // SAFETY: as above.
         self.call(SCANSEG_LATENCY_ROWS, |segmenter, out| unsafe { scanseg_finish(segmenter, out) })
     }
 
+    /// Begins again.
     pub fn reset(&mut self) -> Status {
         self.labels.clear();
         self.events.clear();
@@ -146,7 +161,7 @@ impl Drop for Session {
     }
 }
 
-/// Name of the field that is refused.
+/// Returns the name of the field that is refused.
 pub fn bad_field(config: &Config) -> Option<&'static str> {
     // SAFETY: a reference; the name is a constant of the library.
     unsafe {
@@ -155,7 +170,8 @@ pub fn bad_field(config: &Config) -> Option<&'static str> {
     }
 }
 
-/// Ranges of a room with a step and a hole in it, and noise of a tenth of the strength given.
+/// Returns ranges of a room with a step and a hole in it, and noise of a tenth of the strength
+/// given.
 pub fn room_m(row: usize, columns: usize, noise: f32) -> Vec<f32> {
     let mut seed = 12_345_u32.wrapping_mul(row as u32 + 1);
     (0..columns)

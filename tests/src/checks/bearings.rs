@@ -12,13 +12,15 @@ pub const MICROMATH: bool = cfg!(feature = "micromath");
 /// Beams nearer than this, 0.05 deg, may be off by more than one count.
 pub const NEAR_RAD: f64 = 8.7e-4;
 
-/// Asserts that every bearing angle along a trace is off by no more than rounding explains, for ranges from 0.05 m to 100 m.
-/// `each` is told how far apart the two beams are, radians, the count, and by how much it is off.
+/// Asserts that every bearing angle along a trace is off by no more than rounding explains, for
+/// ranges from 0.05 m to 100 m. `each` is told how far apart the two beams are, radians, the count,
+/// and by how much it is off.
 ///
-/// Two beams may be an error of f32 nearer or farther apart than they should. Near the axis of a nodding scanner two
-/// rows `turn` apart have Phi = turn cos p; cos p comes from the addition theorem in f32 and errs by 1e-7, a
-/// rounding or two of numbers up to 1, which relative to Phi is 1e-7 turn / Phi. The bearing angle moves by half of that at
-/// most: d BA = sin BA cos BA d(sin Phi) / sin Phi. At 0.05 deg and more that is less than half a count.
+/// Two beams may be an error of f32 nearer or farther apart than they should. Near the axis of a
+/// nodding scanner two rows `turn` apart have Phi = turn cos p; cos p comes from the addition
+/// theorem in f32 and errs by 1e-7, a rounding or two of numbers up to 1, which relative to Phi is
+/// 1e-7 turn / Phi. The bearing angle moves by half of that at most: d BA = sin BA cos BA d(sin
+/// Phi) / sin Phi. At 0.05 deg and more that is less than half a count.
 pub fn assert_same(scan: &Scan, ranging: &Ranging, trace: Trace, mut each: impl FnMut(f64, u16, f64)) {
     let (beams, size) = (scan.reference_beams(), scan.size());
     let found = scan.counts(ranging, trace);

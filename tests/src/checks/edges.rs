@@ -7,8 +7,8 @@ use crate::stream::{Record, Scan, class};
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
 use scanseg_core::{EdgeConfig, POINT_UNIT_M, Pixel, Segment, live_labels};
 
-/// Compares everything, with a table of live labels that is never full. Gives the segments compared, those of them with
-/// a plane, and those whose covariance was compared.
+/// Compares everything, with a table of live labels that is never full. Returns the segments
+/// compared, those of them with a plane, and those whose covariance was compared.
 pub fn assert_same(scan: &Scan, config: &EdgeConfig) -> [usize; 3] {
     let (record, expected) = assert_same_labels(scan, config);
     assert_segments(scan, config, &record, &expected)
@@ -60,13 +60,13 @@ fn assert_segments(scan: &Scan, config: &EdgeConfig, record: &Record, expected: 
     compared
 }
 
-/// Compares centroid, plane and covariance with those of the true points. Gives whether there were planes, and whether
-/// they were well enough conditioned for their covariance to be compared.
+/// Compares centroid, plane and covariance with those of the true points. Returns whether there
+/// were planes, and whether they were well enough conditioned for their covariance to be compared.
 ///
-/// The core rounds each point to whole [`POINT_UNIT_M`] and takes its direction in f32, so that it is off by at most
-/// `e`: half a unit along each axis, and 1e-6 of the range. The deviations of n points from their centroid, a matrix D
-/// of n x 3, are then off by at most sqrt(n) e (Frobenius, hence spectral norm). With D's singular values s1 >= s2 >= s3
-/// it follows that
+/// The core rounds each point to whole [`POINT_UNIT_M`] and takes its direction in f32, so that it
+/// is off by at most `e`: half a unit along each axis, and 1e-6 of the range. The deviations of n
+/// points from their centroid, a matrix D of n x 3, are then off by at most sqrt(n) e (Frobenius,
+/// hence spectral norm). With D's singular values s1 >= s2 >= s3 it follows that
 /// - s3, and with it the rms residual s3 / sqrt(n), moves by at most sqrt(n) e and e (Weyl);
 /// - the normal tilts by at most sin = sqrt(n) e / (s2 - s3 - sqrt(n) e) (Wedin);
 /// - the distance, -n.c, moves by at most e + tilt |c|.
@@ -161,8 +161,8 @@ pub fn assert_consistent(scan: &Scan, config: &EdgeConfig, areas: usize) -> usiz
         counted
     );
 
-    // a run goes without only where nothing above it has a label, and where the runs that may still be touched hold as
-    // many labels as the table has
+    // a run goes without only where nothing above it has a label, and where the runs that may still
+    // be touched hold as many labels as the table has
     let runs_of = |row: usize| {
         let pixels = &pixels[row * columns..][..columns];
         let mut runs: Vec<(usize, usize, bool)> = Vec::new();

@@ -1,4 +1,5 @@
-//! What is asserted of a scan of any kind, by properties and by fuzzing, one file for each approach.
+//! What is asserted of a scan of any kind, by properties and by fuzzing, one file for each
+//! approach.
 
 pub mod bearings;
 pub mod edges;

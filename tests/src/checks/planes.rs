@@ -7,7 +7,8 @@ use crate::stream::{Event, Record, Scan, class};
 use scanseg_core::{Finished, Pixel, PlaneConfig, Segment, live_labels};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Every label of the end is one segment, which has its pixels and its bounds, and edges are what has no area.
+/// Every label of the end is one segment, which has its pixels and its bounds, and edges are what
+/// has no area.
 pub fn assert_adds_up(scan: &Scan, config: &PlaneConfig, record: &Record) {
     let labels = record.labels();
     let mut bounds = BTreeMap::<u32, (u32, [usize; 4])>::new();
@@ -33,7 +34,7 @@ pub fn assert_adds_up(scan: &Scan, config: &PlaneConfig, record: &Record) {
     }
 }
 
-/// Compares the labels where no decision of the reference is in doubt. Gives whether it did.
+/// Compares the labels where no decision of the reference is in doubt. Returns whether it did.
 pub fn assert_same(scan: &Scan, config: &PlaneConfig) -> bool {
     let columns = scan.columns;
     let room = live_labels(columns);
@@ -54,8 +55,9 @@ pub fn assert_same(scan: &Scan, config: &PlaneConfig) -> bool {
     true
 }
 
-/// With a table that is too small: pixels without a label are counted, all of a line or none, and only where the row
-/// has as many areas, or joins of them, as the table has room; everything else still adds up.
+/// With a table that is too small: pixels without a label are counted, all of a line or none, and
+/// only where the row has as many areas, or joins of them, as the table has room; everything else
+/// still adds up.
 pub fn assert_consistent(scan: &Scan, config: &PlaneConfig, areas: usize) {
     let record = scan.record(*config, areas);
     record.assert_order_of_planes(scan.turn_rad.len());

@@ -1,21 +1,21 @@
 //! The region-based segmenter against the reference, and what must hold of it always.
 
 use crate::art::{Picture, canonical};
-use crate::reference::lines::Settings;
+use crate::reference::lines::Thresholds;
 use crate::reference::regions::{Regions, regions};
 use crate::stream::{Record, Scan, class};
 use scanseg_core::{Finished, Pixel, RegionConfig, live_labels};
 
 fn expected(scan: &Scan, config: &RegionConfig) -> Regions {
-    let settings = Settings {
+    let thresholds = Thresholds {
         line_angle_rad: config.line_angle_rad.into(),
         range_noise_m: config.ranging.range_noise_m.into(),
         plane_distance_m: config.plane_distance_m.into(),
     };
-    regions(&scan.image(&config.ranging), &scan.reference_beams(), &settings)
+    regions(&scan.image(&config.ranging), &scan.reference_beams(), &thresholds)
 }
 
-/// Compares everything where no decision of the reference is in doubt. Gives whether it did.
+/// Compares everything where no decision of the reference is in doubt. Returns whether it did.
 pub fn assert_same(scan: &Scan, config: &RegionConfig) -> bool {
     let columns = scan.columns;
     let record = scan.record(*config, live_labels(columns));
@@ -58,8 +58,8 @@ pub fn assert_counts(scan: &Scan, record: &Record) {
     }
 }
 
-/// With a table that is too small: lines go without a label only where nothing that touches them has one that takes
-/// them, and everything that is told still adds up.
+/// With a table that is too small: lines go without a label only where nothing that touches them
+/// has one that takes them, and everything that is told still adds up.
 pub fn assert_consistent(scan: &Scan, config: &RegionConfig, areas: usize) {
     let record = scan.record(*config, areas);
     record.assert_order_of_regions(scan.turn_rad.len());

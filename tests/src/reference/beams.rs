@@ -44,7 +44,8 @@ pub enum Beams {
 }
 
 impl Beams {
-    /// The unit vector along the beam of pixel (row, column). Panics if there is no angle for that row or column.
+    /// The unit vector along the beam of pixel (row, column). Panics if there is no angle for that
+    /// row or column.
     pub fn direction(&self, (row, column): (usize, usize)) -> Vector3<f64> {
         match self {
             Beams::Nodding { beam_rad, turn_rad, axis } => {
@@ -67,8 +68,8 @@ impl Beams {
     }
 }
 
-/// The angle between two directions, 0 to pi, rad; exact for small and large angles alike, where the arccos of the
-/// dot product is not.
+/// The angle between two directions, 0 to pi, rad; exact for small and large angles alike, where
+/// the arccos of the dot product is not.
 pub fn angle_between(a: Vector3<f64>, b: Vector3<f64>) -> f64 {
     a.cross(&b).norm().atan2(a.dot(&b))
 }
@@ -108,7 +109,8 @@ mod tests {
         close(pinhole.direction((6, 1)), [half.sqrt(), 0.0, -half.sqrt()]);
     }
 
-    /// Rows of a nodding scanner: cos Phi = sin^2 b + cos^2 b cos dt, less than dt, and nothing on the axis.
+    /// Rows of a nodding scanner: cos Phi = sin^2 b + cos^2 b cos dt, less than dt, and nothing on
+    /// the axis.
     #[test]
     fn angles_between_rows() {
         let turn: f64 = 0.1;

@@ -4,34 +4,38 @@ use super::beams::{Beams, angle_between};
 use super::{Image, Trace};
 use std::f64::consts::PI;
 
-/// Beams nearer to each other than this, rad, have no bearing angle. (A nodding scanner's rows meet on its axis.)
+/// Beams nearer to each other than this, rad, have no bearing angle. (A nodding scanner's rows meet
+/// on its axis.)
 pub const MIN_BEAM_ANGLE_RAD: f64 = 1e-5;
 
-/// The bearing angle, rad, 0 to pi: the angle between the beam of this pixel and the line from the previous pixel's
-/// point to this one's.
+/// The bearing angle, rad, 0 to pi: the angle between the beam of this pixel and the line from the
+/// previous pixel's point to this one's.
 ///
-/// `range_m` and `previous_m` are the two ranges, positive, `phi_rad` the angle between the beams, in (0, pi]. It is
-/// the paper's formula in another form, in which no two large numbers cancel:
-/// range - previous cos phi = (range - previous) + previous (1 - cos phi), and 1 - cos phi = 2 sin^2(phi / 2).
+/// `range_m` and `previous_m` are the two ranges, positive, `phi_rad` the angle between the beams,
+/// in (0, pi]. It is the paper's formula in another form, in which no two large numbers cancel:
+/// range - previous cos phi = (range - previous) + previous (1 - cos phi), and 1 - cos phi = 2
+/// sin^2(phi / 2).
 pub fn bearing_angle(range_m: f64, previous_m: f64, phi_rad: f64) -> f64 {
     let versine = 2.0 * (phi_rad / 2.0).sin().powi(2);
     (previous_m * phi_rad.sin()).atan2((range_m - previous_m) + previous_m * versine)
 }
 
-/// The bearing angle as the paper prints it; the same arguments. Loses digits near 0 and pi and for small angles, up to
-/// NaN. Here to show that [`bearing_angle`] is the same thing.
+/// The bearing angle as the paper prints it; the same arguments. Loses digits near 0 and pi and for
+/// small angles, up to NaN. Here to show that [`bearing_angle`] is the same thing.
 pub fn bearing_angle_arccos(range_m: f64, previous_m: f64, phi_rad: f64) -> f64 {
     let (r1, r0, cos_phi) = (range_m, previous_m, phi_rad.cos());
     ((r1 - r0 * cos_phi) / (r1 * r1 + r0 * r0 - 2.0 * r1 * r0 * cos_phi).sqrt()).acos()
 }
 
-/// A bearing angle, rad, 0 to pi, as a count of pi / 65535, rounded half up; at least 1, for 0 means that there is none.
+/// A bearing angle, rad, 0 to pi, as a count of pi / 65535, rounded half up; at least 1, for 0
+/// means that there is none.
 pub fn count(bearing_rad: f64) -> u16 {
     (bearing_rad / PI * 65535.0).round().clamp(1.0, 65535.0) as u16
 }
 
-/// The bearing angle of every pixel along a trace, rad. None where the previous pixel is outside of the image, where
-/// either pixel has no return, and where the beams are less than [`MIN_BEAM_ANGLE_RAD`] apart.
+/// The bearing angle of every pixel along a trace, rad. None where the previous pixel is outside of
+/// the image, where either pixel has no return, and where the beams are less than
+/// [`MIN_BEAM_ANGLE_RAD`] apart.
 pub fn bearing_angles(image: &Image, beams: &Beams, trace: Trace) -> Vec<Option<f64>> {
     let bearing = |pixel| {
         let previous = trace.previous(image.size, pixel)?;
@@ -69,8 +73,8 @@ mod tests {
         }
     }
 
-    /// Equal ranges make an isosceles triangle: half of pi minus half of phi. A right angle at the previous point: pi/2
-    /// minus phi. A right angle at this point: pi/2.
+    /// Equal ranges make an isosceles triangle: half of pi minus half of phi. A right angle at the
+    /// previous point: pi/2 minus phi. A right angle at this point: pi/2.
     #[test]
     fn known_triangles() {
         for phi in [1e-4, 0.01, 0.5, 1.5] {
@@ -90,10 +94,11 @@ mod tests {
         assert_eq!(count(PI), 65535);
     }
 
-    /// A scanner in the corner of two walls, x = 2 in front and y = 2 to the left: corner at beam angle 45 degrees.
-    /// From left to right in the image the beam moves to the left, along the front wall in the direction 90 degrees and
-    /// along the left wall in the direction 180 degrees: the bearing angle is 90 - b on the one and 180 - b on the
-    /// other, so it falls by the beam step, and 135 - b for the pair across the corner.
+    /// A scanner in the corner of two walls, x = 2 in front and y = 2 to the left: corner at beam
+    /// angle 45 degrees. From left to right in the image the beam moves to the left, along the
+    /// front wall in the direction 90 degrees and along the left wall in the direction 180 degrees:
+    /// the bearing angle is 90 - b on the one and 180 - b on the other, so it falls by the beam
+    /// step, and 135 - b for the pair across the corner.
     #[test]
     fn corner_of_two_walls() {
         let beam_deg = [42.5, 43.5, 44.5, 45.5, 46.5, 47.5f64];
@@ -111,8 +116,8 @@ mod tests {
         assert!((step_deg - 1.0).abs() < 1e-3, "{step_deg}");
     }
 
-    /// The wall x = 2 along the columns of a tilting scanner: from one turn to the next the point moves along the wall
-    /// by 2 (0, tan b (1/cos t1 - 1/cos t0), tan t1 - tan t0).
+    /// The wall x = 2 along the columns of a tilting scanner: from one turn to the next the point
+    /// moves along the wall by 2 (0, tan b (1/cos t1 - 1/cos t0), tan t1 - tan t0).
     #[test]
     fn wall_along_columns_of_a_tilting_scanner() {
         let (beam_deg, turn_deg) = ([0.0, 60.0, 90.0f64], [10.0, 11.0f64]);

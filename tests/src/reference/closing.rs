@@ -29,7 +29,8 @@ pub fn dilate(size: Size, element: Element, bits: &[bool]) -> Vec<bool> {
     size.pixels().map(|pixel| element.offsets().iter().any(|offset| set(pixel, offset))).collect()
 }
 
-/// Keeps every pixel that has only set ones under the element. Outside of the image everything is set.
+/// Keeps every pixel that has only set ones under the element. Outside of the image everything is
+/// set.
 pub fn erode(size: Size, element: Element, bits: &[bool]) -> Vec<bool> {
     let set = |pixel, &(down, right): &(isize, isize)| {
         size.neighbour(pixel, down, right).is_none_or(|(row, column)| bits[size.index(row, column)])
@@ -81,13 +82,14 @@ mod tests {
             |#######|
             |.......|
             |.......|";
-        // Plus: dilation sets all of the middle row, and the rows beside it but for column 3. Erosion at column 3 of
-        // the middle row needs (1, 3), which is not set: the gap stays.
+        // Plus: dilation sets all of the middle row, and the rows beside it but for column 3.
+        // Erosion at column 3 of the middle row needs (1, 3), which is not set: the gap stays.
         assert_eq!(closed(Element::Plus, false, art), Picture::parse(art));
         assert_eq!(closed(Element::Square, false, art), Picture::parse(line));
     }
 
-    /// The ridges that Sobel makes are two pixels wide: the plus leaves the gap, the square seals it.
+    /// The ridges that Sobel makes are two pixels wide: the plus leaves the gap, the square seals
+    /// it.
     #[test]
     fn gap_of_one_in_a_ridge() {
         let art = "
@@ -123,8 +125,8 @@ mod tests {
             |..#..|
             |.....|";
         assert_eq!(closed(Element::Plus, false, ring), Picture::parse(full));
-        // The square: dilation sets all but the four corners; erosion keeps what has no corner in its 3x3, which
-        // beyond the border is set.
+        // The square: dilation sets all but the four corners; erosion keeps what has no corner in
+        // its 3x3, which beyond the border is set.
         let to_the_border = "
             |..#..|
             |..#..|
@@ -134,16 +136,16 @@ mod tests {
         assert_eq!(closed(Element::Square, false, ring), Picture::parse(to_the_border));
     }
 
-    /// Outside counts as set in the erosion: a gap that is open to the border is closed where only the border lies
-    /// beyond, and what lies on the border is not eaten.
+    /// Outside counts as set in the erosion: a gap that is open to the border is closed where only
+    /// the border lies beyond, and what lies on the border is not eaten.
     #[test]
     fn border() {
         let art = "
             |.#..|
             |#...|
             |....|";
-        // Dilation sets (0,0) (0,1) (0,2) (1,0) (1,1) (2,0); erosion keeps (0,0): its neighbours (0,1),
-        // (1,0); (0,1): (0,0), (0,2), (1,1); (1,0): (0,0), (1,1), (2,0).
+        // Dilation sets (0,0) (0,1) (0,2) (1,0) (1,1) (2,0); erosion keeps (0,0): its neighbours
+        // (0,1), (1,0); (0,1): (0,0), (0,2), (1,1); (1,0): (0,0), (1,1), (2,0).
         let expected = "
             |##..|
             |#...|

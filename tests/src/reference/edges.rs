@@ -2,12 +2,12 @@
 
 use super::{Image, Settings, Size, Trace};
 
-/// Roof edges of one count image: Sobel, with the L1 norm, where |gx| + |gy| is at least `roof_eighths`. It works on
-/// eighths of the counts, rounded up: 1 to 8192, so that only "none" is 0. (4 is the sum of the weights of one side of
-/// the operator.)
+/// Roof edges of one count image: Sobel, with the L1 norm, where |gx| + |gy| is at least
+/// `roof_eighths`. It works on eighths of the counts, rounded up: 1 to 8192, so that only "none" is
+/// 0. (4 is the sum of the weights of one side of the operator.)
 ///
-/// A pixel without a bearing angle is no edge. A neighbour outside of the image or without a bearing angle counts as
-/// the pixel itself, so that a border or hole is no edge by itself.
+/// A pixel without a bearing angle is no edge. A neighbour outside of the image or without a
+/// bearing angle counts as the pixel itself, so that a border or hole is no edge by itself.
 pub fn roof_edges(size: Size, counts: &[u16], roof_eighths: u32) -> Vec<bool> {
     let eighth = |(row, column)| counts[size.index(row, column)].div_ceil(8);
     let is_edge = |pixel: (usize, usize)| {
@@ -26,11 +26,12 @@ pub fn roof_edges(size: Size, counts: &[u16], roof_eighths: u32) -> Vec<bool> {
     size.pixels().map(is_edge).collect()
 }
 
-/// Step edges of one count image, which is that of `trace`: where the bearing angle is at most `step_counts` from 0 or
-/// from pi, and the range differs by more than `step_range_m` from that of the previous pixel on the trace.
+/// Step edges of one count image, which is that of `trace`: where the bearing angle is at most
+/// `step_counts` from 0 or from pi, and the range differs by more than `step_range_m` from that of
+/// the previous pixel on the trace.
 ///
-/// The difference is that of the f32 ranges, rounded to f32. A pixel without a bearing angle, or with a missing range
-/// on either side, is no edge.
+/// The difference is that of the f32 ranges, rounded to f32. A pixel without a bearing angle, or
+/// with a missing range on either side, is no edge.
 pub fn step_edges(image: &Image, trace: Trace, counts: &[u16], step_counts: u32, step_range_m: f32) -> Vec<bool> {
     let is_edge = |pixel: (usize, usize)| {
         let count = i64::from(counts[image.size.index(pixel.0, pixel.1)]);
@@ -46,8 +47,8 @@ pub fn step_edges(image: &Image, trace: Trace, counts: &[u16], step_counts: u32,
     image.size.pixels().map(is_edge).collect()
 }
 
-/// The edge image: roof and step edges of all traces. Panics if there is not one count per pixel for every trace of the
-/// settings.
+/// The edge image: roof and step edges of all traces. Panics if there is not one count per pixel
+/// for every trace of the settings.
 pub fn edges(image: &Image, settings: &Settings, counts: &[Vec<u16>]) -> Vec<bool> {
     assert_eq!(counts.len(), settings.traces.len(), "one count image per trace");
     let mut edges = vec![false; image.range_m.len()];
@@ -70,14 +71,16 @@ mod tests {
     use crate::reference::bearing::bearing_counts;
     use crate::reference::closing::Element;
 
-    /// Digits are bearing angles in eighths, a blank has none; `roof_angle` is a fourth of the threshold.
+    /// Digits are bearing angles in eighths, a blank has none; `roof_angle` is a fourth of the
+    /// threshold.
     fn roof(art: &str, roof_angle: u32, wraps: bool) -> Picture {
         let picture = Picture::parse(art);
         let counts = picture.map(|pixel| 8 * pixel.to_digit(10).unwrap_or(0) as u16);
         Picture::bits(picture.columns, &roof_edges(picture.size(wraps), &counts, 4 * roof_angle))
     }
 
-    /// A jump of 4 between two columns: gx is 4 * 4 on either side of it, whether inside or on the border.
+    /// A jump of 4 between two columns: gx is 4 * 4 on either side of it, whether inside or on the
+    /// border.
     #[test]
     fn both_sides_of_a_jump() {
         let art = "
@@ -99,9 +102,10 @@ mod tests {
     /// In the middle row the border pixel's missing neighbours count as itself.
     #[test]
     fn border_pixels() {
-        // (1, 0): E side 1 + 2*1 + 1 = 4, W side 4 * 1; S 1 * 4; N (NW = own 1) + 2*9 + 9 = 28: gy = 4 - 28 = -24,
-        // gx = (9 + 2 + 1) - (1 + 2 + 1) = 8: 32 = 4 * 8. (0, 0), own 9: N and W count 9: S side 9 + 2*1 + 1 = 12:
-        // gy = 12 - 36 = -24; gx = (9 + 18 + 1) - 36 = -8: 32 again. Below: nothing differs.
+        // (1, 0): E side 1 + 2*1 + 1 = 4, W side 4 * 1; S 1 * 4; N (NW = own 1) + 2*9 + 9 = 28: gy
+        // = 4 - 28 = -24, gx = (9 + 2 + 1) - (1 + 2 + 1) = 8: 32 = 4 * 8. (0, 0), own 9: N and W
+        // count 9: S side 9 + 2*1 + 1 = 12: gy = 12 - 36 = -24; gx = (9 + 18 + 1) - 36 = -8: 32
+        // again. Below: nothing differs.
         let art = "
             |99|
             |11|
@@ -110,7 +114,8 @@ mod tests {
         assert_eq!(roof(art, 9, false), Picture::parse("|..|\n|..|\n|..|"));
     }
 
-    /// A diagonal has |gx| = |gy| = 12: the sum is 4 * 6, where the bigger alone and the Euclidean norm, 17, are less.
+    /// A diagonal has |gx| = |gy| = 12: the sum is 4 * 6, where the bigger alone and the Euclidean
+    /// norm, 17, are less.
     #[test]
     fn the_sum_of_both_gradients() {
         // At the centre, own 5: E side 5 + 2*5 + 5, W side 1 + 2*1 + 5: gx = 20 - 8 = 12; gy alike.
@@ -143,8 +148,8 @@ mod tests {
         assert_eq!(roof("|19|", 5, false), Picture::parse("|..|"));
     }
 
-    /// 1 to 8 are one eighth, 9 is the next one; the largest count is 8192 eighths. Beside one neighbour the gradient is
-    /// twice the difference.
+    /// 1 to 8 are one eighth, 9 is the next one; the largest count is 8192 eighths. Beside one
+    /// neighbour the gradient is twice the difference.
     #[test]
     fn eighths_are_rounded_up() {
         let size = Size { rows: 1, columns: 2, wraps: false };
@@ -162,7 +167,8 @@ mod tests {
     #[test]
     fn step_thresholds() {
         let (f, t) = (false, true);
-        // The angle: at the threshold is an edge, beyond it not; 0 is no angle. The first has no previous pixel.
+        // The angle: at the threshold is an edge, beyond it not; 0 is no angle. The first has no
+        // previous pixel.
         let ranges = [2.0, 4.0, 2.0, 4.0, 2.0, 4.0, 2.0];
         let counts = [1, 100, 101, 65435, 65434, 0, 65535];
         assert_eq!(steps(&ranges, &counts, 100, 0.5, false), [f, t, f, t, f, f, t]);
@@ -184,7 +190,8 @@ mod tests {
         assert_eq!(steps(&ranges, &[0, 1], 100, 4f32.next_down(), false), [false, true]);
     }
 
-    /// One degree between beams: 2 m to 4 m is a bearing angle of 1.0 degree, 4 m to 2 m one of 178.0 degrees.
+    /// One degree between beams: 2 m to 4 m is a bearing angle of 1.0 degree, 4 m to 2 m one of
+    /// 178.0 degrees.
     #[test]
     fn a_box_in_front_of_a_wall() {
         let beam_rad = (0..8).map(|i| f64::from(i).to_radians()).collect();
@@ -213,7 +220,8 @@ mod tests {
         horizontal[8] = 50;
         horizontal[6] = 0;
         let vertical = vec![30000, 30000, 30000, 30000, 30000, 30000, 0, 0, 0];
-        // The 50 is a step, and a roof to its three neighbours: gx, gy of (1, 1) and the sides see it.
+        // The 50 is a step, and a roof to its three neighbours: gx, gy of (1, 1) and the sides see
+        // it.
         let expected = Picture::parse("|...|\n|.##|\n|.##|");
         assert_eq!(Picture::bits(3, &edges(&image, &settings, &[horizontal, vertical.clone()])), expected);
         // Only the vertical step: no roof edges at all.

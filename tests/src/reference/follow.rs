@@ -1,6 +1,7 @@
-//! Which pixels of a row go on with the planes of the row above, and what the row's turn is beyond what was reported.
+//! Which pixels of a row go on with the planes of the row above, and what the row's turn is beyond
+//! what was reported.
 
-use super::lines::Doubt;
+use super::doubt::Doubt;
 use nalgebra::{Matrix3, Vector3};
 
 /// Squared error, in units of the noise, from which on a pixel lies on no plane.
@@ -38,7 +39,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// Error of a range on a plane p . m = 1 with the row turned by an angle, and by how much it grows per radian.
+    /// Error of a range on a plane p . m = 1 with the row turned by an angle, and by how much it
+    /// grows per radian.
     fn error_m(&self, column: usize, m: &Vector3<f64>, turn_rad: f64) -> Option<[f64; 3]> {
         let range_m = self.ranges_m[column]?;
         let moved = self.axis.cross(&self.directions[column]);
@@ -47,9 +49,10 @@ impl Row {
     }
 }
 
-/// For each column what it goes on with, by the number of an area. `above` are the areas of the row above, `plane` the planes
-/// of those that have one, and how far it moves at a point p if one of its points is rounded to the other side: at most by
-/// the root of p A p, as p . m. `turn_rad2` is the variance of the turn that is left.
+/// For each column what it goes on with, by the number of an area. `above` are the areas of the row
+/// above, `plane` the planes of those that have one, and how far it moves at a point p if one of
+/// its points is rounded to the other side: at most by the root of p A p, as p . m. `turn_rad2` is
+/// the variance of the turn that is left.
 pub fn follow(
     row: &Row,
     above: &[Option<usize>],
@@ -130,7 +133,8 @@ impl Turns {
         if self.off >= 3.0 && 10.0 * self.off >= rows { self.squares_rad2 / rows } else { 0.0 }
     }
 
-    /// The turn of a row beyond what was reported. `plane` gives the planes of areas that have 4 rows and 50 points.
+    /// The turn of a row beyond what was reported. `plane` gives the planes of areas that have 4
+    /// rows and 50 points.
     pub fn of_row(
         &mut self,
         row: &Row,
@@ -164,14 +168,14 @@ impl Turns {
         let median_rad = samples.iter().find(above_half).unwrap().0;
         // a sample (t, s) with the row turned by x is off by s (x - t)
         let off = |sample: &(f64, f64), x: f64| (sample.1 * (x - sample.0)).powi(2) / row.range_m2;
-        let (mut products, mut squares) = (0.0, row.range_m2 / (EXPECTED_RAD * EXPECTED_RAD));
+        let (mut products, mut weights) = (0.0, row.range_m2 / (EXPECTED_RAD * EXPECTED_RAD));
         for sample in &samples {
             if !doubt.above(off(sample, median_rad), TURN_OFF, 0.05) {
                 products += sample.0 * sample.1 * sample.1;
-                squares += sample.1 * sample.1;
+                weights += sample.1 * sample.1;
             }
         }
-        let turn_rad = products / squares;
+        let turn_rad = products / weights;
         let gain: f64 =
             samples.iter().map(|sample| off(sample, 0.0).min(TURN_OFF) - off(sample, turn_rad).min(TURN_OFF)).sum();
         let least = GAIN.max(GAIN_PER_PIXEL * samples.len() as f64);

@@ -1,14 +1,15 @@
 //! A range image, and the traces through it.
 
-/// The shape of an image. Images are stored row by row: pixel (row, column) is at `row * columns + column`.
+/// The shape of an image. Images are stored row by row: pixel (row, column) is at `row * columns +
+/// column`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Number of rows; 0 is an empty image.
     pub rows: usize,
     /// Number of columns; 0 is an empty image.
     pub columns: usize,
-    /// The first column is the right neighbour of the last one, in every stage. Taken literally for few columns: in
-    /// an image of one column a pixel is its own left and right neighbour.
+    /// The first column is the right neighbour of the last one, in every stage. Taken literally for
+    /// few columns: in an image of one column a pixel is its own left and right neighbour.
     pub wraps: bool,
 }
 
@@ -24,8 +25,8 @@ impl Size {
         (0..self.rows).flat_map(move |row| (0..self.columns).map(move |column| (row, column)))
     }
 
-    /// The pixel `down` rows below and `right` columns to the right of one inside of the image; `None` outside of the
-    /// image.
+    /// The pixel `down` rows below and `right` columns to the right of one inside of the image;
+    /// `None` outside of the image.
     pub fn neighbour(self, (row, column): (usize, usize), down: isize, right: isize) -> Option<(usize, usize)> {
         let row = row as isize + down;
         let mut column = column as isize + right;
@@ -42,7 +43,8 @@ impl Size {
 pub struct Image {
     /// Its shape.
     pub size: Size,
-    /// One range along the beam for each pixel, metres. Anything may stand here; see [`Image::range`].
+    /// One range along the beam for each pixel, metres. Anything may stand here; see
+    /// [`Image::range`].
     pub range_m: Vec<f32>,
     /// Returns nearer than this are dropped; above 0, so that a range of 0 is no return.
     pub min_range_m: f32,
@@ -57,16 +59,17 @@ impl Image {
         Self { size, range_m, min_range_m: f32::MIN_POSITIVE, max_range_m: f32::INFINITY }
     }
 
-    /// The range of pixel (row, column), metres, or `None` where there is no return: not finite, or outside of
-    /// the closed interval from `min_range_m` to `max_range_m`.
+    /// The range of pixel (row, column), metres, or `None` where there is no return: not finite, or
+    /// outside of the closed interval from `min_range_m` to `max_range_m`.
     pub fn range(&self, (row, column): (usize, usize)) -> Option<f32> {
         let range_m = self.range_m[self.size.index(row, column)];
         (range_m.is_finite() && range_m >= self.min_range_m && range_m <= self.max_range_m).then_some(range_m)
     }
 }
 
-/// The direction of a trace: a pixel minus the previous one on its trace. In a stream of rows the previous pixel has
-/// come already: `rows > 0`, or `rows == 0` and `columns > 0`. (0, 0) has no bearing angles.
+/// The direction of a trace: a pixel minus the previous one on its trace. In a stream of rows the
+/// previous pixel has come already: `rows > 0`, or `rows == 0` and `columns > 0`. (0, 0) has no
+/// bearing angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trace {
     /// Rows down.

@@ -24,8 +24,8 @@ pub fn classes(image: &Image, closed: &[bool]) -> Vec<Class> {
     image.size.pixels().zip(closed).map(class).collect()
 }
 
-/// The 4-connected components of area pixels, by flood fill: 1, 2, ... in scan order of their first pixels, 0 where the
-/// pixel is in no area.
+/// The 4-connected components of area pixels, by flood fill: 1, 2, ... in scan order of their first
+/// pixels, 0 where the pixel is in no area.
 pub fn labels(size: Size, classes: &[Class]) -> Vec<u32> {
     let mut labels = vec![0; classes.len()];
     let mut last_label = 0;

@@ -1,15 +1,18 @@
-//! Lines of the rows of an image by turning angles (paper, section 4: "break each scan row into some smooth segments").
+//! Lines of the rows of an image by turning angles (paper, section 4: "break each scan row into
+//! some smooth segments").
 //!
-//! The turning angle at a pixel is BA(next) - BA(this) + Phi(next), 0 on a straight line: the angle between the chord to
-//! this pixel's point and the chord from it. Longer chords, of k pixels either way, see the same turn with less noise.
+//! The turning angle at a pixel is BA(next) - BA(this) + Phi(next), 0 on a straight line: the angle
+//! between the chord to this pixel's point and the chord from it. Longer chords, of k pixels either
+//! way, see the same turn with less noise.
 
 use super::beams::{Beams, angle_between};
+use super::doubt::Doubt;
 use super::{Image, Size};
 use nalgebra::Vector3;
 
 /// Thresholds of lines and regions.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct Thresholds {
     /// A line ends where it turns by more than this, rad.
     pub line_angle_rad: f64,
     /// Standard deviation of one range, metres.
@@ -18,27 +21,9 @@ pub struct Settings {
     pub plane_distance_m: f64,
 }
 
-/// A turn must be seen beyond so many standard deviations of a point's distance from the chord of its neighbours.
+/// A turn must be seen beyond so many standard deviations of a point's distance from the chord of
+/// its neighbours.
 pub const TURN_SIGMAS: f64 = 1.75;
-
-/// Decisions by a threshold, and how many of them fell so close to it that rounding could turn them.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Doubt {
-    /// Decisions.
-    pub decisions: usize,
-    /// Those in doubt.
-    pub doubtful: usize,
-}
-
-impl Doubt {
-    /// Whether `value` is above `threshold`; in doubt where they are nearer than `margin`, or not numbers.
-    pub fn above(&mut self, value: f64, threshold: f64, margin: f64) -> bool {
-        self.decisions += 1;
-        let sure = (value - threshold).abs() > margin;
-        self.doubtful += usize::from(!sure);
-        value > threshold
-    }
-}
 
 /// A line: columns `start..end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,21 +55,21 @@ struct Turn {
     across_m: f64,
 }
 
-fn turn(points: [Vector3<f64>; 3], settings: &Settings, doubt: &mut Doubt) -> Turn {
+fn turn(points: [Vector3<f64>; 3], thresholds: &Thresholds, doubt: &mut Doubt) -> Turn {
     let [before, here, after] = points;
     let (a, b, span) = (here - before, after - here, after - before);
     let farthest_m = points.iter().map(|point| point.norm()).fold(0.0, f64::max);
     let angle_rad = angle_between(a, b);
     // f32 has its points to within 1e-6 of their range, and the square of a cosine to within 1e-7
-    let square = 2e-7 / angle_rad.max(settings.line_angle_rad);
+    let square = 2e-7 / angle_rad.max(thresholds.line_angle_rad);
     let error_rad = 3e-6 * farthest_m / a.norm().min(b.norm()) + 1e-6 + square;
     let across_m = (span - here * (span.dot(&here) / here.norm_squared())).norm();
     // the distance from the chord and its standard deviation, both times the length of the chord
-    let (off, sigma) = (a.cross(&b).norm(), 1.5f64.sqrt() * settings.range_noise_m * across_m);
+    let (off, sigma) = (a.cross(&b).norm(), 1.5f64.sqrt() * thresholds.range_noise_m * across_m);
     let cancelled = (span.norm() / across_m).powi(2) * 1e-6 + 1e-3;
-    let turned = doubt.above(angle_rad, settings.line_angle_rad, error_rad);
+    let turned = doubt.above(angle_rad, thresholds.line_angle_rad, error_rad);
     let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * farthest_m * (a.norm() + b.norm());
-    let no_noise = settings.range_noise_m == 0.0;
+    let no_noise = thresholds.range_noise_m == 0.0;
     let turns = turned && (no_noise || doubt.above(off, TURN_SIGMAS * sigma, margin));
     Turn { turns, sharpness: 1.0 - angle_rad.cos(), error_rad, across_m: across_m / 2.0 }
 }
@@ -96,19 +81,19 @@ pub fn points(image: &Image, beams: &Beams, row: usize) -> Vec<Option<Vector3<f6
 }
 
 /// The lines of a row:
-/// 1. Between neighbours of which one has no return, or which both turn, is a cut. A pixel that turns and whose neighbours
-///    do not has a cut to its right.
-/// 2. Where the noise would hide a turn by the threshold, chords of 2, 4, 8 or 16 pixels are taken, the shortest that does
-///    not (by what neighbours have across the beam), but none across a cut. Of pixels next to each other that turn so,
-///    the sharpest gets a cut to its right.
+/// 1. Between neighbours of which one has no return, or which both turn, is a cut. A pixel that
+///    turns and whose neighbours do not has a cut to its right.
+/// 2. Where the noise would hide a turn by the threshold, chords of 2, 4, 8 or 16 pixels are taken,
+///    the shortest that does not (by what neighbours have across the beam), but none across a cut.
+///    Of pixels next to each other that turn so, the sharpest gets a cut to its right.
 /// 3. What cuts leave is a line if it has two pixels or more. The seam is always between two lines.
-pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, settings: &Settings, doubt: &mut Doubt) -> RowLines {
+pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, thresholds: &Thresholds, doubt: &mut Doubt) -> RowLines {
     let columns = points.len();
     let neighbour = |column, right| size.neighbour((0, column), 0, right).map(|(_, column)| column);
     let shortest: Vec<Option<Turn>> = (0..columns)
         .map(|column| {
             let (left, right) = (neighbour(column, -1)?, neighbour(column, 1)?);
-            Some(turn([points[left]?, points[column]?, points[right]?], settings, doubt))
+            Some(turn([points[left]?, points[column]?, points[right]?], thresholds, doubt))
         })
         .collect();
     let turns = |column: Option<usize>| column.and_then(|c| shortest[c].as_ref()).is_some_and(|turn| turn.turns);
@@ -124,7 +109,7 @@ pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, settings: &Setting
     let seam = size.wraps && !cut[0];
     cut[0] = true;
 
-    let reach_m = 2.0 * 1.5f64.sqrt() * TURN_SIGMAS * settings.range_noise_m / settings.line_angle_rad.sin();
+    let reach_m = 2.0 * 1.5f64.sqrt() * TURN_SIGMAS * thresholds.range_noise_m / thresholds.line_angle_rad.sin();
     for piece in pieces(points, &cut) {
         let mut sharpest: Option<(f64, usize)> = None;
         for (here, shortest) in shortest.iter().enumerate().take(piece.end).skip(piece.start + 1) {
@@ -139,7 +124,7 @@ pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, settings: &Setting
                 k /= 2;
             }
             let point = |column: usize| points[column].unwrap();
-            let long = (k > 1).then(|| turn([point(here - k), point(here), point(here + k)], settings, doubt));
+            let long = (k > 1).then(|| turn([point(here - k), point(here), point(here + k)], thresholds, doubt));
             match long.filter(|turn| turn.turns) {
                 Some(turn) => {
                     let margin = 3.0 * turn.error_rad;
@@ -178,7 +163,8 @@ mod tests {
     use crate::reference::beams::TurnAxis;
     use crate::reference::bearing::bearing_angles;
 
-    /// The angle between chords is the turning angle of the bearing angles, where beams lie in a plane.
+    /// The angle between chords is the turning angle of the bearing angles, where beams lie in a
+    /// plane.
     #[test]
     fn turning_angle_of_bearing_angles() {
         let beam_rad = [-0.3, -0.25, -0.1, 0.0, 0.2, 0.3].to_vec();
@@ -194,17 +180,17 @@ mod tests {
         }
     }
 
-    /// The noise that is allowed for is what the paper's formula gives: sigma_BA = sqrt(2) sigma sin^2(BA) / (r sin Phi),
-    /// sqrt(3) of it for the turning angle, of a wall straight ahead.
+    /// The noise that is allowed for is what the paper's formula gives: sigma_BA = sqrt(2) sigma
+    /// sin^2(BA) / (r sin Phi), sqrt(3) of it for the turning angle, of a wall straight ahead.
     #[test]
     fn noise_of_a_turn() {
         let (phi, r, sigma) = (0.01f64, 4.0, 1e-4);
-        let settings = Settings { line_angle_rad: 1e-4, range_noise_m: sigma, plane_distance_m: 0.0 };
+        let thresholds = Thresholds { line_angle_rad: 1e-4, range_noise_m: sigma, plane_distance_m: 0.0 };
         let turns_by = |turn_rad: f64| {
             let half = r * phi;
             let points =
                 [Vector3::new(r, -half, 0.0), Vector3::new(r, 0.0, 0.0), Vector3::new(r + half * turn_rad, half, 0.0)];
-            turn(points, &settings, &mut Doubt::default()).turns
+            turn(points, &thresholds, &mut Doubt::default()).turns
         };
         let expected = TURN_SIGMAS * 3f64.sqrt() * 2f64.sqrt() * sigma / (r * phi);
         assert!(turns_by(1.01 * expected) && !turns_by(0.99 * expected));
@@ -213,11 +199,11 @@ mod tests {
     /// A corner between the third pixel and the fourth, a corner at a pixel, a step, a hole.
     #[test]
     fn lines_of_known_shapes() {
-        let settings = Settings { line_angle_rad: 0.05, range_noise_m: 0.0, plane_distance_m: 0.0 };
+        let thresholds = Thresholds { line_angle_rad: 0.05, range_noise_m: 0.0, plane_distance_m: 0.0 };
         let lines = |points: &[(f64, f64)]| {
             let points: Vec<_> = points.iter().map(|&(x, y)| (x > 0.0).then(|| Vector3::new(x, y, 0.0))).collect();
             let size = Size { rows: 1, columns: points.len(), wraps: false };
-            let found = row_lines(&points, size, &settings, &mut Doubt::default());
+            let found = row_lines(&points, size, &thresholds, &mut Doubt::default());
             found.lines.iter().map(|line| (line.start, line.end)).collect::<Vec<_>>()
         };
         let wall = |x: f64, n: std::ops::Range<i32>| n.map(move |i| (x, 0.1 * f64::from(i)));
@@ -232,11 +218,11 @@ mod tests {
         assert_eq!(lines(&hole), [(0, 2)]);
     }
 
-    /// Noise of 5 mm on two walls that meet at 90 degrees, 4 m away: with long chords they are told apart, within two
-    /// pixels, which between neighbours no threshold could.
+    /// Noise of 5 mm on two walls that meet at 90 degrees, 4 m away: with long chords they are told
+    /// apart, within two pixels, which between neighbours no threshold could.
     #[test]
     fn corner_in_noise() {
-        let settings = Settings { line_angle_rad: 0.05, range_noise_m: 0.005, plane_distance_m: 0.0 };
+        let thresholds = Thresholds { line_angle_rad: 0.05, range_noise_m: 0.005, plane_distance_m: 0.0 };
         let beam_rad: Vec<f64> = (0..60).map(|c| (0.5 * f64::from(c) + 30.2).to_radians()).collect();
         let noise = |c: usize| [0.004, -0.006, 0.001, 0.005, -0.003, -0.004, 0.006][c * 5 % 7];
         let range_m = (0..60).map(|c| {
@@ -246,7 +232,7 @@ mod tests {
         let size = Size { rows: 1, columns: 60, wraps: false };
         let image = Image::new(size, range_m.collect());
         let beams = Beams::Nodding { beam_rad, turn_rad: vec![0.0], axis: TurnAxis::Y };
-        let found = row_lines(&points(&image, &beams, 0), size, &settings, &mut Doubt::default());
+        let found = row_lines(&points(&image, &beams, 0), size, &thresholds, &mut Doubt::default());
         // the corner is at 45 degrees: between columns 29 and 30
         assert!(found.lines.iter().any(|line| line.start.abs_diff(30) <= 2), "{found:?}");
         assert!(found.lines.iter().all(|line| line.start >= 28 || line.end <= 32), "{found:?}");

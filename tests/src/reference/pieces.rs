@@ -1,6 +1,8 @@
-//! Lines of a run of pixels: the partition whose squared range errors, in units of the noise, and prices are least in sum.
+//! Lines of a run of pixels: the partition whose squared range errors, in units of the noise, and
+//! prices are least in sum.
 
-use super::lines::{Doubt, Line};
+use super::doubt::Doubt;
+use super::lines::Line;
 use nalgebra::{Matrix2, Vector2};
 
 /// Price of a line, and of a pixel in none.
@@ -14,11 +16,11 @@ const CANDIDATES: usize = 8;
 ///
 /// A line is p . w = 1; at range r along the beam of p it is off by r (p . w - 1).
 fn squares_m2(sums: &(usize, Matrix2<f64>, Vector2<f64>, f64)) -> f64 {
-    let &(points, matrix, vector, squares) = sums;
+    let &(points, matrix, vector, ranges_m2) = sums;
     if points < 3 {
         return 0.0;
     }
-    matrix.lu().solve(&vector).map_or(0.0, |w| (squares - vector.dot(&w)).max(0.0))
+    matrix.lu().solve(&vector).map_or(0.0, |w| (ranges_m2 - vector.dot(&w)).max(0.0))
 }
 
 /// What it costs to end with a line or a lone pixel.
@@ -30,10 +32,11 @@ struct Price {
     margin: f64,
 }
 
-/// The lines of two pixels and more, from right to left, each with its squared errors. `places`: where the pixels of the run
-/// are within their row, metres; the first one is in column `start`.
+/// The lines of two pixels and more, from right to left, each with its squared errors. `places`:
+/// where the pixels of the run are within their row, metres; the first one is in column `start`.
 pub fn pieces(start: usize, places: &[Vector2<f64>], noise_m2: f64, doubt: &mut Doubt) -> Vec<(Line, f64)> {
-    // least price of the first n pixels, where its last line begins, and all other ways to end there
+    // least price of the first n pixels, where its last line begins, and all other ways to end
+    // there
     let mut least = vec![(0.0, 0)];
     let mut all = vec![Vec::new()];
     for end in 1..=places.len() {

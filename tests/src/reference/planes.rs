@@ -5,15 +5,16 @@ use super::beams::Beams;
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
 use std::collections::BTreeMap;
 
-/// Points are collinear where the sum of squared deviations along the second principal axis is at most this times that
-/// along the first: a strip 30 000 times longer than wide. Points of a line whose ranges were rounded to f32 deviate less
-/// if it is longer than some 1/200 of its range.
+/// Points are collinear where the sum of squared deviations along the second principal axis is at
+/// most this times that along the first: a strip 30 000 times longer than wide. Points of a line
+/// whose ranges were rounded to f32 deviate less if it is longer than some 1/200 of its range.
 pub const COLLINEAR: f64 = 1e-9;
 
 /// A plane n.x + d = 0 fitted to points by total least squares.
 #[derive(Clone, Debug)]
 pub struct Plane {
-    /// n: unit length, towards the scanner, which is at the origin. Either way where the plane holds the origin.
+    /// n: unit length, towards the scanner, which is at the origin. Either way where the plane
+    /// holds the origin.
     pub normal: Vector3<f64>,
     /// d: the distance of the plane from the origin, metres, never negative.
     pub distance_m: f64,
@@ -44,8 +45,8 @@ pub struct Area {
     pub plane: Option<Plane>,
 }
 
-/// The areas of a label image, by label. Label 0 is no area, and neither is a pixel without a return. Panics if there
-/// is not one label per pixel.
+/// The areas of a label image, by label. Label 0 is no area, and neither is a pixel without a
+/// return. Panics if there is not one label per pixel.
 pub fn areas(image: &Image, beams: &Beams, labels: &[u32]) -> Vec<Area> {
     assert_eq!(labels.len(), image.range_m.len(), "one label per pixel");
     let mut pixels_of = BTreeMap::<u32, Vec<(usize, usize)>>::new();
@@ -78,17 +79,18 @@ pub fn centroid(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len() as f64
 }
 
-/// The plane through the centroid whose normal is the eigenvector of the smallest eigenvalue of the points' scatter.
-/// `None` for fewer than 4 points and for [collinear](COLLINEAR) ones.
+/// The plane through the centroid whose normal is the eigenvector of the smallest eigenvalue of the
+/// points' scatter. `None` for fewer than 4 points and for [collinear](COLLINEAR) ones.
 ///
-/// The covariance, with e1 and e2 the principal axes in the plane, L1 and L2 the sums of squared deviations along them,
-/// c the centroid and s2 = (sum of squared residuals) / (points - 3), is
+/// The covariance, with e1 and e2 the principal axes in the plane, L1 and L2 the sums of squared
+/// deviations along them, c the centroid and s2 = (sum of squared residuals) / (points - 3), is
 ///
 /// - cov(n) = s2 (e1 e1' / L1 + e2 e2' / L2)
 /// - cov(n, d) = -cov(n) c
 /// - var(d) = c' cov(n) c + s2 / points
 ///
-/// which follows to first order from d = -n.c, as n turns about e1 and e2 only, independently of the mean residual.
+/// which follows to first order from d = -n.c, as n turns about e1 and e2 only, independently of
+/// the mean residual.
 pub fn fit_plane(points: &[Vector3<f64>]) -> Option<Plane> {
     if points.len() < 4 {
         return None;
@@ -129,8 +131,9 @@ mod tests {
     use super::*;
     use crate::art::Picture;
 
-    /// Four points about (2, 3, 0), off the plane x = 2 by +-e crosswise. Worked out by hand: SSE = 4 e^2, s2 = 4 e^2,
-    /// sums of squares along y and z are 4 and 16, so cov(n) = e^2 diag(0, 1, 1/4).
+    /// Four points about (2, 3, 0), off the plane x = 2 by +-e crosswise. Worked out by hand: SSE =
+    /// 4 e^2, s2 = 4 e^2, sums of squares along y and z are 4 and 16, so cov(n) = e^2 diag(0, 1,
+    /// 1/4).
     #[test]
     fn plane_by_hand() {
         let e = 0.01;
@@ -170,8 +173,8 @@ mod tests {
         assert!(plane.rms_m < 1e-12);
     }
 
-    /// The spread of (n, d) over 4000 noisy patches of an oblique plane is what the covariance says: 10 points each,
-    /// off the plane by a sigma of 5 mm.
+    /// The spread of (n, d) over 4000 noisy patches of an oblique plane is what the covariance
+    /// says: 10 points each, off the plane by a sigma of 5 mm.
     #[test]
     fn covariance_is_the_spread() {
         let mut state = 1u64;
@@ -237,7 +240,8 @@ mod tests {
             assert!(plane.rms_m < 1e-6);
         }
         assert!(areas[2].plane.is_none());
-        // Columns 0 and 1 lie 2 and 1 pixels to the left of the axis at 2 m: y = 0.4 and 0.2; the rows are centred.
+        // Columns 0 and 1 lie 2 and 1 pixels to the left of the axis at 2 m: y = 0.4 and 0.2; the
+        // rows are centred.
         assert!((areas[0].centroid_m - Vector3::new(2.0, 0.3, 0.0)).norm() < 1e-6);
         // Row 4, column 0.
         assert!((areas[2].centroid_m - Vector3::new(2.0, 0.4, -0.6)).norm() < 1e-6);

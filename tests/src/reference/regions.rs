@@ -1,10 +1,12 @@
-//! Line-based region growing (paper, section 4: lines "are then merged based on thresholding the distance of the segment
-//! endpoints to the growing region"), on the whole image, from the points of each region.
+//! Line-based region growing (paper, section 4: lines "are then merged based on thresholding the
+//! distance of the segment endpoints to the growing region"), on the whole image, from the points
+//! of each region.
 
 use super::Image;
 use super::beams::Beams;
+use super::doubt::Doubt;
 use super::labels::Class;
-use super::lines::{Doubt, Line, RowLines, Settings, points, row_lines};
+use super::lines::{Line, RowLines, Thresholds, points, row_lines};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Points are kept as whole multiples of this, metres.
@@ -34,8 +36,8 @@ struct Axes {
     /// Number of points.
     points: f64,
     centroid: Vector3<f64>,
-    /// Mean squares along the axes, smallest first.
-    squares: [f64; 3],
+    /// Mean squared deviations along the axes, smallest first.
+    squares_m2: [f64; 3],
     vectors: [Vector3<f64>; 3],
 }
 
@@ -49,13 +51,13 @@ fn axes(points: &[Vector3<f64>]) -> Axes {
     Axes {
         points: n,
         centroid,
-        squares: order.map(|i| eigen.eigenvalues[i].max(0.0)),
+        squares_m2: order.map(|i| eigen.eigenvalues[i].max(0.0)),
         vectors: order.map(|i| eigen.eigenvectors.column(i).into_owned()),
     }
 }
 
 struct Grower<'a> {
-    settings: &'a Settings,
+    thresholds: &'a Thresholds,
     doubt: Doubt,
     /// The points of each region; empty where it was joined into another.
     regions: Vec<Vec<Vector3<f64>>>,
@@ -71,10 +73,10 @@ impl Grower<'_> {
     }
 
     fn has_plane(&mut self, axes: &Axes) -> bool {
-        let thin_m = self.settings.range_noise_m + 0.001;
-        let threshold = thin_m * thin_m + 4e-6 * axes.squares[2];
+        let thin_m = self.thresholds.range_noise_m + 0.001;
+        let threshold = thin_m * thin_m + 4e-6 * axes.squares_m2[2];
         // the middle one of three, of points rounded a little differently
-        self.doubt.above(axes.squares[1], threshold, 5e-7 * axes.squares[2] + 0.02 * threshold)
+        self.doubt.above(axes.squares_m2[1], threshold, 5e-7 * axes.squares_m2[2] + 0.02 * threshold)
     }
 
     /// Whether a point is near a plane.
@@ -82,14 +84,14 @@ impl Grower<'_> {
         let normal = plane.vectors[0];
         let distance_m = normal.dot(&(point - plane.centroid)).abs();
         let cos = normal.dot(&point.normalize()).abs();
-        let tolerance_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m * cos;
-        // one point of a hundred may be rounded to the next unit, and f32 has 5e-7 of the largest square: both tilt the
-        // normal towards the other axes. Twice that, since it is no bound.
+        let tolerance_m = self.thresholds.plane_distance_m + DISTANCE_SIGMAS * self.thresholds.range_noise_m * cos;
+        // one point of a hundred may be rounded to the next unit, and f32 has 5e-7 of the largest
+        // square: both tilt the normal towards the other axes. Twice that, since it is no bound.
         let lever = point - plane.centroid;
         let tilted = |axis: usize| {
-            let stiffness = (plane.squares[axis] - plane.squares[0]).max(1e-12);
-            let tilt = 0.8 * UNIT_M / (plane.points * stiffness).sqrt() + 5e-7 * plane.squares[2] / stiffness;
-            tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.settings.range_noise_m)
+            let stiffness = (plane.squares_m2[axis] - plane.squares_m2[0]).max(1e-12);
+            let tilt = 0.8 * UNIT_M / (plane.points * stiffness).sqrt() + 5e-7 * plane.squares_m2[2] / stiffness;
+            tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.thresholds.range_noise_m)
         };
         let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
         !self.doubt.above(distance_m, tolerance_m, 2.0 * margin)
@@ -102,8 +104,8 @@ impl Grower<'_> {
         let beam = point.normalize();
         let deep_m = off.dot(&beam).abs();
         let across_m = (off - beam * off.dot(&beam)).norm();
-        let slack_m = self.settings.plane_distance_m + DISTANCE_SIGMAS * self.settings.range_noise_m;
-        let turned = 1e-6 + 0.1 * UNIT_M / (region.squares[2] - region.squares[1]).max(1e-12).sqrt();
+        let slack_m = self.thresholds.plane_distance_m + DISTANCE_SIGMAS * self.thresholds.range_noise_m;
+        let turned = 1e-6 + 0.1 * UNIT_M / (region.squares_m2[2] - region.squares_m2[1]).max(1e-12).sqrt();
         let margin = 1e-3 * slack_m + 1e-3 * deep_m + (0.1 * UNIT_M + turned * way.norm()) * (1.0 + GRAZING_COT);
         self.doubt.above(deep_m, across_m * GRAZING_COT + slack_m, margin)
     }
@@ -136,8 +138,8 @@ impl Grower<'_> {
         self.joined_into[from] = into;
     }
 
-    /// The region that a line belongs to. `above`: the regions of the lines of the row above that it touches, from the
-    /// left, as they were when that row was done.
+    /// The region that a line belongs to. `above`: the regions of the lines of the row above that
+    /// it touches, from the left, as they were when that row was done.
     fn place(&mut self, line: &[Vector3<f64>], above: &[usize]) -> usize {
         let mut best: Option<((bool, usize), usize)> = None;
         for &region in above {
@@ -168,15 +170,15 @@ impl Grower<'_> {
 }
 
 /// Grows regions: rows from the first, lines from the left.
-pub fn regions(image: &Image, beams: &Beams, settings: &Settings) -> Regions {
+pub fn regions(image: &Image, beams: &Beams, thresholds: &Thresholds) -> Regions {
     let size = image.size;
-    let mut grower = Grower { settings, doubt: Doubt::default(), regions: Vec::new(), joined_into: Vec::new() };
+    let mut grower = Grower { thresholds, doubt: Doubt::default(), regions: Vec::new(), joined_into: Vec::new() };
     let mut region_of = vec![None; size.rows * size.columns];
     let mut breaks = vec![false; size.rows * size.columns];
     let mut above: Vec<(Line, usize)> = Vec::new();
     for row in 0..size.rows {
         let exact = points(image, beams, row);
-        let RowLines { lines, seam } = row_lines(&exact, size, settings, &mut grower.doubt);
+        let RowLines { lines, seam } = row_lines(&exact, size, thresholds, &mut grower.doubt);
         let unit = |point: Vector3<f64>| point.map(|c| (c / UNIT_M).round() * UNIT_M);
         let mut current = Vec::new();
         for column in (0..size.columns).filter(|&column| exact[column].is_some()) {

@@ -1,10 +1,10 @@
-//! Planar surfaces that grow from row to row, as the core's default segmenter has them, from its documentation: pixels
-//! [follow](super::follow) planes, what follows none is cut into [lines](super::pieces), lines join surfaces or begin them,
-//! surfaces on one plane join.
+//! Planar surfaces that grow from row to row, as the core's default segmenter has them, from its
+//! documentation: pixels [follow](super::follow) planes, what follows none is cut into
+//! [lines](super::pieces), lines join surfaces or begin them, surfaces on one plane join.
 
 use super::beams::{Beams, TurnAxis};
+use super::doubt::Doubt;
 use super::follow::{Row, Turns, follow};
-use super::lines::Doubt;
 use super::pieces::pieces;
 use super::{Image, Size};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -13,14 +13,16 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 const UNIT_M: f64 = 1.0 / 4096.0;
 /// Least standard deviation of a range, metres.
 const LEAST_NOISE_M: f64 = 0.002;
-/// Squares that a common plane may add by chance, and for each point; excess of a surface that is near a plane.
+/// Squares that a common plane may add by chance, and for each point; excess of a surface that is
+/// near a plane.
 const CHANCE: f64 = 20.0;
 const UNEVEN: f64 = 0.1;
 const BENT: f64 = 0.1;
 /// Variances of the turn by which a surface may be bent, and the most of that.
 const WOBBLE: f64 = 4.0;
 const MOST: f64 = 9.0;
-/// Surfaces that are one that the scanner bends: squared cosine, variances of the step, points, rows.
+/// Surfaces that are one that the scanner bends: squared cosine, variances of the step, points,
+/// rows.
 const BEND: (f64, f64, usize, usize) = (0.99726, 9.0, 500, 4);
 /// Points of surfaces that join across a gap.
 const GAP_POINTS: usize = 20;
@@ -48,7 +50,7 @@ struct Sums {
 /// The plane p . m = 1 through points, and the sum of (p . m - 1)^2.
 struct Plane {
     m: Vector3<f64>,
-    squares: f64,
+    misfit: f64,
 }
 
 impl Sums {
@@ -69,10 +71,10 @@ impl Sums {
 
     fn plane(&self) -> Option<Plane> {
         let m = self.matrix().cholesky().filter(|_| self.points > 2)?.solve(&self.first);
-        Some(Plane { m, squares: (self.points as f64 - m.dot(&self.first)).max(0.0) })
+        Some(Plane { m, misfit: (self.points as f64 - m.dot(&self.first)).max(0.0) })
     }
 
-    fn squares_on(&self, plane: &Plane) -> f64 {
+    fn misfit_on(&self, plane: &Plane) -> f64 {
         self.points as f64 - 2.0 * plane.m.dot(&self.first) + (self.second * plane.m).dot(&plane.m)
     }
 
@@ -83,8 +85,8 @@ impl Sums {
 
 struct Surface {
     sums: Sums,
-    /// Of the sum when last fitted.
-    squares: f64,
+    /// Of its plane when last fitted.
+    misfit: f64,
     m: Option<Vector3<f64>>,
     first_row: usize,
     last_row: usize,
@@ -141,17 +143,18 @@ impl Grower {
         (WOBBLE * slope * slope * centre.norm_squared() * self.turn_rad2 / self.range_m2).min(MOST)
     }
 
-    /// Margin of the squares of points, whose last digits may round otherwise: the more the farther a beam grazes.
+    /// Margin of the squares of points, whose last digits may round otherwise: the more the farther
+    /// a beam grazes.
     fn margin(&self, part: &Sums, plane: &Plane) -> f64 {
         let grazing = plane.m.norm() * part.mean_square_range_m2().sqrt();
         0.02 + 0.1 * grazing * UNIT_M / self.range_m2.sqrt() * (part.points as f64).sqrt()
     }
 
     fn takes(&mut self, surface: usize, line: &Sums, squares: f64) -> Option<f64> {
-        let (own, of_own) = (self.surfaces[surface].sums, self.surfaces[surface].squares);
+        let (own, of_own) = (self.surfaces[surface].sums, self.surfaces[surface].misfit);
         let plane = own.with(line).plane()?;
         let points = line.points as f64;
-        let added = (plane.squares - of_own) * line.mean_square_range_m2() / self.range_m2;
+        let added = (plane.misfit - of_own) * line.mean_square_range_m2() / self.range_m2;
         let slack = UNEVEN * (own.points as f64).min(4.0 * points) + self.wobble(&plane, line) * points;
         let most = points.max(squares + CHANCE) + slack;
         let margin = self.margin(line, &plane) + 0.003 * most;
@@ -173,11 +176,11 @@ impl Grower {
             self.doubt.above(0.0, 0.0, 1.0);
             return None;
         };
-        let squares = squares * self.range_m2 / line.mean_square_range_m2();
+        let misfit = squares * self.range_m2 / line.mean_square_range_m2();
         let (row, looked) = (self.row, 0);
         let surface = Surface {
             sums: *line,
-            squares,
+            misfit,
             m: None,
             first_row: row,
             last_row: row,
@@ -196,7 +199,8 @@ impl Grower {
         (surface.sums, surface.last_row) = (surface.sums.with(more), self.row);
     }
 
-    /// The surface of a line: of those above it the one that it fits best for each pixel that touches.
+    /// The surface of a line: of those above it the one that it fits best for each pixel that
+    /// touches.
     fn place_line(&mut self, touching: &[usize], line: &Sums, squares: f64) -> Option<usize> {
         let mut above: Vec<(usize, usize)> = Vec::new();
         for &surface in touching {
@@ -225,18 +229,18 @@ impl Grower {
 
     /// The plane of two surfaces that are one.
     fn common(&mut self, one: usize, other: usize) -> Option<Plane> {
-        let [a, b] = [one, other].map(|s| (self.surfaces[s].sums, self.surfaces[s].squares));
+        let [a, b] = [one, other].map(|s| (self.surfaces[s].sums, self.surfaces[s].misfit));
         let plane = a.0.with(&b.0).plane()?;
         let small = if a.0.points < b.0.points { a.0 } else { b.0 };
         let per_noise = small.mean_square_range_m2() / self.range_m2;
-        let added = (plane.squares - a.1 - b.1) * per_noise;
+        let added = (plane.misfit - a.1 - b.1) * per_noise;
         let most = CHANCE + (UNEVEN + self.wobble(&plane, &small)) * small.points as f64;
         let margin = self.margin(&small, &plane) + 0.003 * most;
         if !self.doubt.above(added, most, margin) {
             return Some(plane);
         }
         let mut near = |part: &Sums| {
-            let squares = part.squares_on(&plane) * part.mean_square_range_m2() / self.range_m2;
+            let squares = part.misfit_on(&plane) * part.mean_square_range_m2() / self.range_m2;
             let most = (1.0 + BENT + self.wobble(&plane, part)) * part.points as f64;
             let margin = self.margin(part, &plane) + 0.003 * most;
             !self.doubt.above(squares, most, margin)
@@ -266,11 +270,11 @@ impl Grower {
         let (sums, last_row) = (a.sums.with(&b.sums), a.last_row.max(b.last_row));
         let (first_row, ended) = (a.first_row.min(b.first_row), a.ended && b.ended);
         let looked = [a, b].iter().filter(|s| !s.ended).map(|s| s.looked).max().unwrap_or(0);
-        let (m, squares) = (Some(plane.m), plane.squares);
+        let (m, misfit) = (Some(plane.m), plane.misfit);
         let place = a.place;
         self.surfaces[gone].into = Some(kept);
         self.surfaces[kept] =
-            Surface { sums, squares, m, first_row, last_row, place, looked, ended, forgotten: false, into: None };
+            Surface { sums, misfit, m, first_row, last_row, place, looked, ended, forgotten: false, into: None };
     }
 
     /// Neighbours along the row, across one pixel or none, and from row to row.
@@ -332,7 +336,7 @@ impl Grower {
         let row = self.row;
         for surface in self.surfaces.iter_mut().filter(|s| s.last_row == row && s.first_row < row && s.into.is_none()) {
             if let Some(plane) = surface.sums.plane() {
-                (surface.m, surface.squares) = (Some(plane.m), plane.squares);
+                (surface.m, surface.misfit) = (Some(plane.m), plane.misfit);
             }
         }
     }

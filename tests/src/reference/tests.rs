@@ -21,9 +21,9 @@ fn degrees(start: f64, count: usize) -> Vec<f64> {
     (0..count).map(|index| (start + index as f64).to_radians()).collect()
 }
 
-/// The corner of the walls x = 2 and y = 2, seen in 5 rows about the horizontal at 1 degree steps. Horizontal bearing
-/// angles 46.5, 45.5, 89.5, 133.5, 132.5 about it: the 3 pixels with a neighbour more than 10 degrees off are edges.
-/// Vertical ones stay near 90 degrees.
+/// The corner of the walls x = 2 and y = 2, seen in 5 rows about the horizontal at 1 degree steps.
+/// Horizontal bearing angles 46.5, 45.5, 89.5, 133.5, 132.5 about it: the 3 pixels with a neighbour
+/// more than 10 degrees off are edges. Vertical ones stay near 90 degrees.
 #[test]
 fn corner() {
     let size = Size { rows: 5, columns: 9, wraps: false };
@@ -58,10 +58,11 @@ fn corner() {
 
 /// A box 1 m in front of the wall x = 3, seen by a camera, and a window beside it without a return.
 ///
-/// Steps are found at the later pixel of a pair: the first one of the box and the first one after it, along rows and
-/// columns. The bearing angle is near 180 and 0 degrees there and near 90 elsewhere, so that Sobel finds the pixels on
-/// both sides of a step and, with half of a corner's weights on 90 degrees, those diagonal to it. The pixels beside the
-/// window compare with themselves there. Closing fills the inner corners of the box.
+/// Steps are found at the later pixel of a pair: the first one of the box and the first one after
+/// it, along rows and columns. The bearing angle is near 180 and 0 degrees there and near 90
+/// elsewhere, so that Sobel finds the pixels on both sides of a step and, with half of a corner's
+/// weights on 90 degrees, those diagonal to it. The pixels beside the window compare with
+/// themselves there. Closing fills the inner corners of the box.
 #[test]
 fn box_and_window() {
     let scene = Picture::parse(
@@ -136,7 +137,8 @@ fn box_and_window() {
     }
 }
 
-/// A round room seen by a spinning lidar, with one door post. The wall joins across the seam only if the image wraps.
+/// A round room seen by a spinning lidar, with one door post. The wall joins across the seam only
+/// if the image wraps.
 #[test]
 fn round_room() {
     let azimuth_rad = degrees(0.0, 360).into_iter().step_by(30).collect();

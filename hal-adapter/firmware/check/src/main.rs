@@ -50,9 +50,9 @@ struct Most(f64, u32, u32);
 /// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet
 /// (README.md): these keep what there is.
 const MPS2_MOST: [Most; 3] =
-    [Most(560.0, 48 * 1024, 33_000), Most(1080.0, 52 * 1024, 33_000), Most(12_000.0, 64 * 1024, 33_000)];
+    [Most(560.0, 48 * 1024, 33_000), Most(1080.0, 48 * 1024, 30_000), Most(12_000.0, 56 * 1024, 32_000)];
 const MICROBIT_MOST: [Most; 3] =
-    [Most(6900.0, 64 * 1024, 16 * 1024), Most(18_500.0, 64 * 1024, 16 * 1024), Most(36_000.0, 64 * 1024, 16 * 1024)];
+    [Most(6900.0, 52 * 1024, 16 * 1024), Most(18_500.0, 52 * 1024, 14 * 1024), Most(36_000.0, 60 * 1024, 16 * 1024)];
 
 const MACHINES: [Machine; 3] = [
     Machine {

@@ -42,7 +42,7 @@ impl Recording {
         sensor.range_noise_m = 0.001;
         if let Kind::Nodding { turn_deg, .. } = &mut sensor.kind {
             let degrees = |rad: f32| f64::from(rad).to_degrees();
-            *turn_deg = Angles::Even { start: degrees(FIRST_RAD), step: degrees(ROW_RAD) };
+            *turn_deg = Angles::Even { start_deg: degrees(FIRST_RAD), step_deg: degrees(ROW_RAD) };
         }
         let scan = Scene::numbered(Set::Tuning, 0).scan(&sensor, 1)?;
         let words = scan.range_m.iter().map(|range_m| match (range_m * 1000.0).round() as u16 {

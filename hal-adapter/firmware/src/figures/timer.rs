@@ -1,11 +1,11 @@
-//! The timer of the machine, and the figures that are sent.
+//! The timer of the machine, and the record that is sent.
 
 use core::sync::atomic::AtomicU32;
 use core::sync::atomic::Ordering::Relaxed;
 
 use embedded_io::Write;
 
-use super::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, add};
+use super::record::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, add};
 use crate::register::Register;
 
 static WAITS: AtomicU32 = AtomicU32::new(0);

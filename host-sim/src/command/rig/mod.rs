@@ -118,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the scanner looks at, and where its beams point.
+/// Returns what the scanner looks at, and where its beams point.
 fn surroundings(arguments: &Arguments) -> Result<(Geometry, Ranges), Failure> {
     let mut geometry = geometry_on_tilt(SETTINGS.variant);
     let (Some(image), Some(path)) = (&arguments.scan, &arguments.geometry) else {

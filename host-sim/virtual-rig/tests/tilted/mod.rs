@@ -36,7 +36,7 @@ pub fn telling(_bearing_deg: f64, turn_rad: f64) -> f64 {
 }
 
 /// A row as the segmenter got it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub turn_rad: f64,
     /// Told by the ranges.
@@ -44,7 +44,7 @@ pub struct Row {
 }
 
 /// Keeps the rows of the scans, each scan a list of its own.
-#[derive(Debug, Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Notes(pub Rc<RefCell<Vec<Vec<Row>>>>);
 
 impl Segmenter for Notes {
@@ -114,7 +114,7 @@ impl RigSink for Seen {
 
 /// The second good telegram since a trouble (the first may come without its start): scans sent
 /// until then, and what the rig had counted.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Since {
     troubles: u32,
     first: bool,

@@ -1,61 +1,14 @@
-//! Figures of a run: instructions, stack. Without the feature `figures` there is nothing of it in
-//! the image.
-//!
-//! A timer counts while the program has something to do and stands while it waits for a byte. Under
-//! QEMU's `-icount shift=6` an instruction takes 64 ns of its time, so that the figures do not
-//! depend on the host, nor on when the bytes come.
+//! Segmenters and sinks whose ticks are counted.
 
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicU32;
-use core::sync::atomic::Ordering::Relaxed;
 
 use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status};
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Dropped, RigSink, ScanFinished, ScanStarted};
 
-/// A record of figures: this, then [`COUNT`] words, all lowest byte first.
-pub const MAGIC: u32 = 0x5E6F_1605;
-
-/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink
-/// (planes, frames), waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes
-/// of stack there are.
-pub const COUNT: usize = 7;
-
-/// See [`COUNT`].
-pub const EMPTY_WAITS: u32 = 1000;
-
-#[cfg(all(feature = "figures", target_os = "none"))]
-mod timer;
-#[cfg(all(feature = "figures", target_os = "none"))]
-pub use timer::{begin, now, pause, resume, send};
-
-#[cfg(not(all(feature = "figures", target_os = "none")))]
-mod nothing {
-    //! In place of the timer.
-    /// Starts the timer.
-    #[inline(always)]
-    pub fn begin() {}
-    /// Stops the timer: a wait begins.
-    #[inline(always)]
-    pub fn pause() {}
-    /// The wait is over.
-    #[inline(always)]
-    pub fn resume() {}
-    /// Ticks so far.
-    #[inline(always)]
-    pub fn now() -> u32 {
-        0
-    }
-    /// Sends the record.
-    #[inline(always)]
-    pub fn send(_link: impl embedded_io::Write) {}
-}
-#[cfg(not(all(feature = "figures", target_os = "none")))]
-pub use nothing::{begin, now, pause, resume, send};
-
-/// Ticks within the segmenter, and within its sink.
-static IN_SEGMENTER: AtomicU32 = AtomicU32::new(0);
-static IN_SINK: AtomicU32 = AtomicU32::new(0);
+use super::record::{IN_SEGMENTER, IN_SINK, add};
+use super::timer::now;
 
 /// A segmenter, or a sink, whose ticks are counted. Those of a segmenter include its sink's.
 #[derive(Debug)]
@@ -129,9 +82,4 @@ impl<S: RigSink> RigSink for Timed<S> {
     fn trouble(&mut self, trouble: Trouble) {
         self.0.trouble(trouble);
     }
-}
-
-/// There is one thread: a load and a store do, which is all that a Cortex-M0 has.
-fn add(to: &AtomicU32, ticks: u32) {
-    to.store(to.load(Relaxed).wrapping_add(ticks), Relaxed);
 }

@@ -1,0 +1,24 @@
+//! The record of figures that an image sends, and what is counted for it.
+
+use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
+
+/// A record of figures: this, then [`COUNT`] words, all lowest byte first.
+pub const MAGIC: u32 = 0x5E6F_1605;
+
+/// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink
+/// (planes, frames), waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes
+/// of stack there are.
+pub const COUNT: usize = 7;
+
+/// See [`COUNT`].
+pub const EMPTY_WAITS: u32 = 1000;
+
+/// Ticks within the segmenter, and within its sink.
+pub(super) static IN_SEGMENTER: AtomicU32 = AtomicU32::new(0);
+pub(super) static IN_SINK: AtomicU32 = AtomicU32::new(0);
+
+/// There is one thread: a load and a store do, which is all that a Cortex-M0 has.
+pub(super) fn add(to: &AtomicU32, ticks: u32) {
+    to.store(to.load(Relaxed).wrapping_add(ticks), Relaxed);
+}
