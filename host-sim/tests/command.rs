@@ -10,7 +10,7 @@ use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::office::{Scene, Sensor, Set};
 use serde_json::Value;
 
-use program::{fails, folder, succeeds};
+use program::{fails, folder, scanseg, succeeds};
 
 const FILES: [&str; 9] = [
     "labels.png",
@@ -377,4 +377,46 @@ fn office_writes_scenes_with_their_truth() {
     }
     fails(&folder, "office --out new --scene 1 --noise-m -1", &["range_noise_m"]);
     fails(&folder, "office --out new --set best", &["tuning"]);
+}
+
+/// A unit that is wrong by 1000 leaves hardly a count within the limits of the program: that is
+/// said, and the results are those of an image without returns. A few counts outside are nothing
+/// to speak of.
+#[test]
+fn units_that_leave_no_return_are_said() {
+    let folder = folder("units_that_leave_no_return_are_said");
+    let counts = |far: usize| (0..128).map(|i| if i < far { 60_000 } else { 2000 + i as u16 }).collect();
+    let image = |far| GreyImage { rows: 8, columns: 16, max_value: 65535, values: counts(far) }.to_pgm();
+    let geometry = |unit_m: f64| {
+        format!(
+            "version = 1\nunit_m = {unit_m:?}\nrange_noise_m = 0.01\nkind = \"nodding\"\nturn_axis = \"y\"\n\
+             beam_deg = {{ start = -7.5, step = 1.0 }}\nturn_deg = {{ start = -4.0, step = 1.0 }}\n"
+        )
+    };
+    for (unit_m, far, said) in [
+        (1.0, 0, "mm.pgm: 128 of 128 counts lie outside of 0.05 m to 100 m and are no return: is unit_m = 1 right?"),
+        (
+            1e-6,
+            0,
+            "mm.pgm: 128 of 128 counts lie outside of 0.05 m to 100 m and are no return: is unit_m = 0.000001 right?",
+        ),
+        (
+            0.005,
+            120,
+            "mm.pgm: 120 of 128 counts lie outside of 0.05 m to 100 m and are no return: is unit_m = 0.005 right?",
+        ),
+        (0.005, 20, ""),
+        (0.001, 0, ""),
+    ] {
+        fs::write(folder.join("mm.pgm"), image(far)).unwrap();
+        fs::write(folder.join("geometry.toml"), geometry(unit_m)).unwrap();
+        for command in
+            ["segment mm.pgm --geometry geometry.toml --out out", "bench mm.pgm --geometry geometry.toml --repeat 1"]
+        {
+            let output = scanseg(&folder, command);
+            assert!(output.status.success(), "{command}");
+            let expected = if said.is_empty() { String::new() } else { format!("scanseg: warning: {said}\n") };
+            assert_eq!(String::from_utf8(output.stderr).unwrap(), expected, "{command} {unit_m}");
+        }
+    }
 }

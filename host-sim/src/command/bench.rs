@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::command::input::Input;
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
 
 /// Time the core alone: all rows of a scan from memory, labels and planes out
 #[derive(Args)]
@@ -41,6 +41,7 @@ struct Figures {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
+    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (max_labels, rounds) = (arguments.options.max_labels(), arguments.repeat as usize);
     let timing = Timing::of(&input.ranges, &input.geometry, config, max_labels, rounds)
         .map_err(|e| in_terms_of_options(&input.name, e))?;

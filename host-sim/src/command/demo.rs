@@ -44,7 +44,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // As from the file, so that `scanseg segment` on it gives the same.
     let ranges = RangeImage::from_grey(&image, &geometry)?;
 
-    let input = Input { name: "simulated office".to_string(), geometry, ranges };
+    let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
+    let input = Input { name: "simulated office".to_string(), geometry, ranges, counts };
     let config = arguments.options.config(&input.geometry)?;
     let (mut files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
     files.push(("scan.png".to_string(), image.to_png()));

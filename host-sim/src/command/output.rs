@@ -30,6 +30,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Says on stderr what looks wrong, in one line.
+pub fn warn(what: &str) {
+    // if nobody reads it there is nobody to tell
+    _ = writeln!(io::stderr(), "scanseg: warning: {what}");
+}
+
 /// Returns a progress bar on stderr. Nothing is drawn where that is no terminal.
 pub fn bar(length: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("segmenting {wide_bar} {percent} %, {eta} left");

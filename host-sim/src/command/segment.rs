@@ -13,7 +13,7 @@ use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 use crate::command::input::Input;
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::options::{Configuration, Options, in_terms_of_options};
-use crate::command::output::{Failure, Files, bar, print, write};
+use crate::command::output::{Failure, Files, bar, print, warn, write};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
@@ -46,6 +46,7 @@ pub struct ListOptions {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
+    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
