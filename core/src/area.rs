@@ -23,8 +23,9 @@ pub struct Area {
     /// Label; in a free slot the next free slot.
     pub(crate) label: u32,
     pub(crate) first_high: [i16; 3],
-    /// Runs of the frontier that refer to this slot itself.
-    pub(crate) runs: u16,
+    /// What keeps it live. Edge, region: the runs of the frontier that refer to this slot itself.
+    /// Plane: its last row.
+    pub(crate) frontier: u16,
     pub(crate) first_row: u16,
     pub(crate) first_column: u16,
     pub(crate) last_column: u16,
@@ -40,7 +41,7 @@ impl Area {
         points: 0,
         label: 0,
         first_high: [0; 3],
-        runs: 0,
+        frontier: 0,
         first_row: 0,
         first_column: 0,
         last_column: 0,

@@ -220,7 +220,7 @@ impl<'a> Labels<'a> {
         let slot = self.free;
         let Some(area) = self.table.get_mut(usize::from(slot)) else { return NONE };
         self.free = area.label as u16;
-        *area = Area { runs: 1, ..Area::begin(self.next_label, self.row, run.start as u16, slot) };
+        *area = Area { frontier: 1, ..Area::begin(self.next_label, self.row, run.start as u16, slot) };
         self.next_label += 1;
         slot
     }
@@ -243,8 +243,8 @@ impl<'a> Labels<'a> {
         self.len -= 1;
         let row = self.row;
         let Some(area) = self.area(slot) else { return ControlFlow::Continue(()) };
-        area.runs = area.runs.wrapping_sub(1);
-        if area.runs > 0 {
+        area.frontier = area.frontier.wrapping_sub(1);
+        if area.frontier > 0 {
             return ControlFlow::Continue(());
         }
         let area = *area;
@@ -264,9 +264,9 @@ impl<'a> Labels<'a> {
                 self.set_entry(i, root);
                 self.refer(root);
                 let Some(area) = self.area(slot) else { continue };
-                area.runs = area.runs.wrapping_sub(1);
+                area.frontier = area.frontier.wrapping_sub(1);
                 // its link stays readable until the slot is taken again, which no settling does
-                if area.runs == 0 {
+                if area.frontier == 0 {
                     self.release(slot);
                 }
             }
@@ -309,7 +309,7 @@ impl<'a> Labels<'a> {
     /// One more run of the frontier refers to a slot, unless it is [`NONE`].
     fn refer(&mut self, slot: u16) {
         if let Some(area) = self.area(slot) {
-            area.runs += 1;
+            area.frontier += 1;
         }
     }
 

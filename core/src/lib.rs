@@ -17,10 +17,10 @@
 //! ```text
 //! a row of ranges and its turn angle
 //!
-//! plane    turn of the row beyond that angle             plane/turn
-//!          pixels that follow a plane of the row above   plane/follow
+//! plane    noise of the ranges, turn of the row          plane/measure, plane/turn
+//!          pixels that follow a plane of the rows above  plane/follow
 //!          lines in what follows none                    plane/line
-//!          surfaces, joined where they fit               plane/surface, plane/join, plane/fit
+//!          areas, joined where they fit                  plane/areas, plane/join, plane/fitted
 //!
 //! edge     bearing angles along the traces               edge/bearing, edge/beam_angle (section 3)
 //!          roof and step edges, OR                       edge/sobel (section 4)

@@ -33,13 +33,15 @@ pub struct Join {
     pub into: Label,
 }
 
-/// An area that is complete: the row in progress has no pixel of it.
+/// An area that is complete: the row in progress has no pixel of it. By planes nor have up to three
+/// rows before, where the pixels below it had no return.
 ///
 /// By edges and by regions it can grow no more. By planes it may go on, on the far side of what
 /// hides a part of it: only after a [`Join`] into its label. It is then reported again under this
-/// label, with more pixels than before; the last report counts. A segment whose label was joined
-/// into another one afterwards counts no more. Of all that are left, each has the pixels that were
-/// given its label, or one that was joined into it.
+/// label, with all pixels that it had before; the last report counts. A segment whose label was
+/// joined into another one afterwards counts no more. Of all that are left, each has the pixels
+/// that were given its label, or one that was joined into it. Two that were both reported may turn
+/// out to be one: then it is reported again, though nothing has grown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment {

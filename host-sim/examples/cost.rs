@@ -91,7 +91,7 @@ fn run(config: AnyConfig<'_>, file: &str, kind: &str, repeat: usize) -> Result<(
         "nodding" => Beams::Nodding { columns: beam, axis: TurnAxis::Y },
         _ => Beams::Spinning { columns: beam, wraps: false },
     };
-    let mut memory = OwnedMemory::new(config.sizes(columns), None);
+    let mut memory = OwnedMemory::new(config, columns, None);
     let mut segmenter = AnySegmenter::new(config, beams, columns, memory.memory())?;
     let mut found = Found::default();
     for _ in 0..repeat {

@@ -73,15 +73,23 @@ fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::
     for change in changes {
         match change.split_once('=').ok_or("RULE=NUMBER is wanted")? {
             ("least_noise_m", number) => set(&mut rules.least_noise_m, number)?,
-            ("reach_columns", number) => set(&mut rules.reach_columns, number)?,
+            ("least_beam_rad", number) => set(&mut rules.least_beam_rad, number)?,
             ("leave_price", number) => set(&mut rules.leave_price, number)?,
-            ("beam_rad2", number) => set(&mut rules.beam_rad2, number)?,
-            ("min_line_pixels", number) => set(&mut rules.min_line_pixels, number)?,
+            ("line_price", number) => set(&mut rules.line_price, number)?,
+            ("gap_columns", number) => set(&mut rules.gap_columns, number)?,
+            ("chance", number) => set(&mut rules.chance, number)?,
+            ("uneven", number) => set(&mut rules.uneven, number)?,
             ("bent", number) => set(&mut rules.bent, number)?,
-            ("neighbour_rows", number) => set(&mut rules.neighbour_rows, number)?,
+            ("rough", number) => set(&mut rules.rough, number)?,
             ("gap_points", number) => set(&mut rules.gap_points, number)?,
+            ("hidden", number) => set(&mut rules.hidden, number)?,
             ("bend_step", number) => set(&mut rules.bend_step, number)?,
+            ("seam_rad", number) => set(&mut rules.seam_rad, number)?,
             ("turn_gain", number) => set(&mut rules.turn_gain, number)?,
+            ("turn_other", number) => set(&mut rules.turn_other, number)?,
+            ("noise_less", number) => set(&mut rules.noise_less, number)?,
+            ("noise_trust", number) => set(&mut rules.noise_trust, number)?,
+            ("noise_most", number) => set(&mut rules.noise_most, number)?,
             (rule, _) => return Err(format!("no rule {rule}").into()),
         }
     }

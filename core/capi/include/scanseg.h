@@ -31,8 +31,8 @@
 
 /** The same, with listed columns (`listed` = 1, else 0), so many traces, and the most rows that a trace reaches back. */
 #define SCANSEG_STATE_SIZE_WITH(columns, listed, traces, trace_rows) \
-    ((size_t)1280 + (size_t)(columns) * (45 + 4 * (size_t)(listed) + 4 * (size_t)((traces) > 2 ? (traces) : 2) \
-                                         + 4 * (size_t)((trace_rows) > 3 ? (trace_rows) : 3)) \
+    ((size_t)1536 + (size_t)(columns) * (45 + 4 * (size_t)(listed) + 4 * (size_t)((traces) > 2 ? (traces) : 3) \
+                                         + 4 * (size_t)((trace_rows) > 6 ? (trace_rows) : 7)) \
      + 136 * (size_t)(traces))
 
 /** Events that one call can bring at most, for images of so many columns. */

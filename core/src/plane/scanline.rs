@@ -1,8 +1,10 @@
-//! A row as it was pushed, and where its points are.
+//! A row as it was pushed, its beams and its planes.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::dot;
 use crate::config::Ranging;
+use crate::plane::noise::Variance;
+use crate::plane::sums::cross;
 use crate::row::bits::{CHUNK, load};
 use crate::row::fan::{Fan, Frame};
 
@@ -13,23 +15,40 @@ pub(crate) struct Scanline<'a> {
     pub frame: Frame,
     pub ranges_m: &'a [f32],
     pub wraps: bool,
+    /// Variance of a range.
+    pub variance: Variance,
+    /// Pixels along a row whose errors are alike: together they count once.
+    pub alike_px: f32,
+    /// The row was turned by this more than was reported, radians. Planes are followed where they
+    /// then are, and the sums forgive as much.
+    pub turned_rad: f32,
+    /// Ranges are too large by this, metres: the offset of the ring of a spinning scanner. As with
+    /// the turn.
+    pub offset_m: f32,
+    /// Variance of the turn that all pixels of the row share: stated, and with what the scan tells.
+    pub stated_rad2: f32,
+    /// See above.
+    pub shared_rad2: f32,
+    /// Columns without a return that lines and runs go across.
+    pub gap_columns: usize,
+}
+
+/// A plane in one row: u . m = a cos + b sin + k, and `turned` cos more for each radian that the
+/// row turns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Along {
+    pub a: f32,
+    pub b: f32,
+    pub k: f32,
+    pub turned: f32,
 }
 
 impl Scanline<'_> {
-    /// A plane p . m = 1 in this row: p . m = r (a cos + b sin + k), and by r d cos more for each
-    /// radian that the row turns.
-    pub fn along(&self, m: [f32; 3]) -> [f32; 4] {
-        let ([ax, ay, az], [x, y, z]) = (self.fan.axis(), self.frame.p);
-        let turned = [ay * z - az * y, az * x - ax * z, ax * y - ay * x];
-        [self.frame.p, self.frame.q, self.frame.r, turned].map(|along| dot(along, m))
-    }
-
-    /// One over the range at which the beam of a column meets a plane.
-    pub fn inverse_m(&self, column: usize, m: [f32; 3]) -> f32 {
-        let [a, b, k, _] = self.along(m);
-        let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
-        self.fan.row_lanes(&self.frame, column / CHUNK * CHUNK, &mut cos, &mut sin);
-        a * cos[column % CHUNK] + b * sin[column % CHUNK] + k
+    /// A plane u . m = 1 / r in this row.
+    pub fn along(&self, m: [f32; 3]) -> Along {
+        let turned = cross(self.fan.axis(), self.frame.p);
+        let [a, b, k, turned] = [self.frame.p, self.frame.q, self.frame.r, turned].map(|along| dot(along, m));
+        Along { a, b, k, turned }
     }
 
     /// The chunk that starts at column `from`.
@@ -37,6 +56,22 @@ impl Scanline<'_> {
     pub fn lanes(&self, from: usize, lanes: &mut Lanes) {
         lanes.range_m = load(self.ranges_m, from, &mut [0.0; CHUNK]).map(|range_m| self.ranging.clean(range_m));
         self.fan.row_lanes(&self.frame, from, &mut lanes.cos, &mut lanes.sin);
+    }
+
+    /// The direction of a beam.
+    pub fn beam(&self, cos: f32, sin: f32) -> [f32; 3] {
+        let Frame { p, q, r } = self.frame;
+        core::array::from_fn(|i| cos * p[i] + sin * q[i] + r[i])
+    }
+
+    /// The column so many to the right, if it is there.
+    pub fn to_the_right(&self, column: usize, ahead: usize) -> Option<usize> {
+        let columns = self.ranges_m.len();
+        match column + ahead {
+            c if c < columns => Some(c),
+            c if self.wraps && c < 2 * columns => Some(c - columns),
+            _ => None,
+        }
     }
 }
 
@@ -51,4 +86,39 @@ pub(crate) struct Lanes {
 
 impl Lanes {
     pub const EMPTY: Lanes = Lanes { cos: [0.0; CHUNK], sin: [0.0; CHUNK], range_m: [0.0; CHUNK] };
+}
+
+/// A pixel: cosine and sine of its beam within its row, and its range, 0 for no return.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct At {
+    pub cos: f32,
+    pub sin: f32,
+    pub range_m: f32,
+}
+
+/// The chunk that was read last.
+pub(crate) struct Cached {
+    pub lanes: Lanes,
+    chunk: usize,
+}
+
+impl Cached {
+    pub const EMPTY: Cached = Cached { lanes: Lanes::EMPTY, chunk: usize::MAX };
+
+    /// The chunk of a column, and the place of the column in it.
+    #[inline(always)]
+    pub fn lanes(&mut self, row: &Scanline, column: usize) -> (&Lanes, usize) {
+        if self.chunk != column / CHUNK {
+            self.chunk = column / CHUNK;
+            row.lanes(self.chunk * CHUNK, &mut self.lanes);
+        }
+        (&self.lanes, column % CHUNK)
+    }
+
+    /// A pixel.
+    #[inline(always)]
+    pub fn at(&mut self, row: &Scanline, column: usize) -> At {
+        let (lanes, i) = self.lanes(row, column);
+        At { cos: lanes.cos[i], sin: lanes.sin[i], range_m: lanes.range_m[i] }
+    }
 }

@@ -3,38 +3,43 @@
 //!
 //! ```text
 //! row r arrives
-//!   turn of the row beyond what was reported             turn
-//!   pixels that go on with a plane of row r - 1          follow
+//!   noise of the ranges, from the row itself             measure, noise
+//!   what the row is off by: its turn, or its offset      turn, median
+//!   pixels that go on with a plane above                 follow
+//!   areas and their planes grow by their runs            grower, run_sums, fitted, sums, areas
 //!   lines in what follows no plane                       line
 //!   each line joins an area above it, or begins one      join
-//!   planes are computed anew                             surface
-//!   neighbours, and pieces across a gap, join            join
-//!   what has not grown is complete                       surface
+//!   neighbours join                                      neighbours, join, tried
+//!   pieces across what hides the rest join               borders, bridge
+//!   what the next row has above it                       carried
+//!   what nothing can go on with is complete              areas
 //! ```
 //!
 //! Everything of row r happens when row r arrives.
-#![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::fmt;
 use core::ops::ControlFlow;
 
-use crate::area::live_labels;
 use crate::beam::Beams;
 use crate::error::{ConfigError, PushError};
 use crate::memory::Memory;
+use crate::plane::areas::{Areas, MARKS_LEN, Tables};
+use crate::plane::carried::Carried;
 use crate::plane::config::PlaneConfig;
-use crate::plane::follow::{Followed, follow};
-use crate::plane::join::{area_for, join_neighbours};
-use crate::plane::line::lines;
-use crate::plane::noise::Noise;
-use crate::plane::scanline::{Lanes, Scanline};
-use crate::plane::surface::{FULL, PLANE_LEN, Surfaces};
-use crate::plane::turn::RowTurns;
-use crate::row::bits::{CHUNK, load, pack, runs, words};
+use crate::plane::fitted::FITTED_LEN;
+use crate::plane::follow::{Followed, RowNoise, follow};
+use crate::plane::grower::Grower;
+use crate::plane::measure::Measured;
+use crate::plane::neighbours::join_neighbours;
+use crate::plane::noise::Variance;
+use crate::plane::scanline::{Cached, Scanline};
+use crate::plane::tried::{Tried, tried_len};
+use crate::plane::turn::{Turns, scratch_len};
+use crate::row::bits::{CHUNK, load, pack, words};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::points::RowPoints;
-use crate::row::slots::{NONE, equal_runs};
-use crate::row::within::{at, part_mut, split_mut};
+use crate::row::slots::NONE;
+use crate::row::within::{part_mut, split_mut};
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 
@@ -72,16 +77,17 @@ use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 /// ```
 pub struct PlaneSegmenter<'a> {
     config: PlaneConfig,
-    range_m2: f32,
+    stated: Variance,
+    measured: Measured,
     fan: Fan<'a>,
     columns: usize,
     progress: Progress,
-    turns: RowTurns,
+    turns: Turns,
     scratch: &'a mut [f32],
-    /// Slots of two rows, row q at q % 2; then the cuts of a row.
+    /// Slots of this row and above it, cuts of a row.
     slots: &'a mut [u16],
     bits: &'a mut [u32],
-    surfaces: Surfaces<'a>,
+    areas: Areas<'a>,
 }
 
 impl fmt::Debug for PlaneSegmenter<'_> {
@@ -116,7 +122,10 @@ impl Segmenter for PlaneSegmenter<'_> {
     }
 
     fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> Finished {
-        let ended = self.surfaces.close(true, sink);
+        let mut ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
+        if ended.is_continue() {
+            ended = self.areas.close(true, sink);
+        }
         let finished = self.progress.finished(ended);
         self.reset();
         finished
@@ -124,9 +133,11 @@ impl Segmenter for PlaneSegmenter<'_> {
 
     fn reset(&mut self) {
         self.progress = Progress::default();
-        self.turns = RowTurns::default();
+        self.turns = Turns::default();
+        self.measured = Measured::NONE;
         self.slots.fill(NONE);
-        self.surfaces.reset();
+        self.bits.fill(0);
+        self.areas.reset();
     }
 
     fn latency_rows(&self) -> usize {
@@ -136,7 +147,7 @@ impl Segmenter for PlaneSegmenter<'_> {
 
 impl<'a> PlaneSegmenter<'a> {
     /// A segmenter for images of `columns` columns, 1 to [`MAX_COLUMNS`](crate::MAX_COLUMNS).
-    /// Checks the configuration once.
+    /// Checks the configuration once. The table has as many areas as all slices have room for.
     ///
     /// # Errors
     /// [`ConfigError`] names the field and value that cannot be used, or the memory that is too
@@ -144,50 +155,55 @@ impl<'a> PlaneSegmenter<'a> {
     pub fn new(config: PlaneConfig, beams: Beams<'a>, columns: usize, memory: Memory<'a>) -> Result<Self, ConfigError> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
-        memory.check(&config.sizes(columns))?;
-        let areas = memory.areas.len().min(live_labels(columns));
-        let (planes, scratch) = split_mut(memory.numbers, PLANE_LEN * areas);
+        let usual = config.sizes(columns).areas;
+        memory.check(&config.sizes_with(columns, memory.areas.len().min(usual)))?;
+        let (scratch, fitted) = split_mut(memory.numbers, scratch_len(columns));
         let (slots, marks) = split_mut(memory.halves, 3 * columns);
-        let (table, max_range_m) = (part_mut(memory.areas, 0..areas), config.ranging.max_range_m);
-        let surfaces = Surfaces::new(table, planes, marks, max_range_m, config.rules);
-        let (noise_m, least_m) = (config.ranging.range_noise_m, config.rules.least_noise_m);
-        let range_m2 = noise_m * noise_m + least_m * least_m;
-        let (progress, turns, bits) = (Progress::default(), RowTurns::default(), memory.words);
-        let mut segmenter = Self { config, range_m2, fan, columns, progress, turns, scratch, slots, bits, surfaces };
+        let (tried, bits) = split_mut(memory.words, tried_len(columns));
+        let (fitted, marks) = (fitted.as_chunks_mut::<FITTED_LEN>().0, marks.as_chunks_mut::<MARKS_LEN>().0);
+        let room = memory.areas.len().min(fitted.len()).min(marks.len());
+        let tables = Tables { areas: part_mut(memory.areas, 0..room), fitted, marks };
+        let (ranging, rules) = (&config.ranging, config.rules);
+        let areas = Areas::new(tables, Tried::new(tried), ranging.max_range_m, fan.axis(), rules);
+        let stated = Variance::stated(ranging, rules.least_noise_m);
+        let (progress, turns, measured) = (Progress::default(), Turns::default(), Measured::NONE);
+        let mut segmenter =
+            Self { config, stated, measured, fan, columns, progress, turns, scratch, slots, bits, areas };
         segmenter.reset();
         Ok(segmenter)
     }
 
     fn grow<S: Sink + ?Sized>(&mut self, beam: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
-        let columns = self.columns;
-        let (even, rest) = split_mut(self.slots, columns);
-        let (odd, cuts) = split_mut(rest, columns);
-        let (above, slots) = if beam.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let mut bits = self.bits.chunks_exact_mut(words(columns).max(1));
-        let mut packed = || bits.next().unwrap_or_default();
+        let Self { config, fan, columns, areas, turns, .. } = self;
+        let (columns, rules) = (*columns, config.rules);
+        let (slots, rest) = split_mut(self.slots, columns);
+        let (above, cuts) = split_mut(rest, columns);
+        let mut packed = self.bits.chunks_exact_mut(words(columns).max(1));
+        let mut packed = || packed.next().unwrap_or_default();
+        let mut carried = Carried { slots: above, ages: [packed(), packed()] };
         let mut followed = Followed { returns: packed(), free: packed(), was_left: packed(), was_on: packed() };
-        let frame = self.fan.frame(beam);
-        let ranging = &self.config.ranging;
-        let line = Scanline { ranging, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
-        self.surfaces.row = beam.row as u16;
-
-        let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);
-        follow(&line, above, &self.surfaces, &row_noise, &mut followed, slots);
-        let Followed { returns, free, .. } = followed;
-
-        let mut points = RowPoints::new(&self.fan, frame, ranges_m);
-        for run in equal_runs(slots) {
-            let slot = at(slots, run.start);
-            if slot < FULL {
-                self.surfaces.extend(slot, &run, &points.moments(run.clone()));
+        let mut line = scanline(config, fan, beam, ranges_m, &self.stated);
+        self.measured.look_at(&line, beam.row);
+        line.variance = self.measured.variance(&self.stated, rules);
+        areas.row = beam.row as u16;
+        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.turn_rad, self.scratch) {
+            if fan.spins() {
+                line.offset_m = by;
+            } else {
+                line.turned_rad = by;
             }
         }
-        let noise = Noise {
-            range_m2: f64::from(self.range_m2),
-            turn_rad2: f64::from(self.turns.variance_rad2()),
-            axis: self.fan.axis(),
-        };
-        let unlabelled = take_lines(&mut self.surfaces, &line, above, slots, free, cuts, &noise);
+        areas.turn_rad2 = turns.variance_rad2() + line.stated_rad2;
+        line.shared_rad2 = line.turned_rad * line.turned_rad + areas.turn_rad2;
+        let noise = RowNoise::new(config, turns.variance_rad2());
+        follow(&line, carried.slots, areas, &noise, &mut followed, slots);
+
+        let Followed { returns, free, .. } = followed;
+        let mut grower =
+            Grower { line: &line, returns, points: RowPoints::new(fan, line.frame, ranges_m), cached: Cached::EMPTY };
+        grower.extend(areas, slots);
+        let unlabelled = grower.take_lines(areas, carried.slots, slots, free, cuts);
+        let mut cached = grower.cached;
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
@@ -195,50 +211,47 @@ impl<'a> PlaneSegmenter<'a> {
         }
         sink.edges(&EdgeRow { row: beam.row, columns, words: free })?;
 
-        self.surfaces.refit();
-        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
-        self.surfaces.bridge(&noise, sink)?;
-        self.surfaces.settle(slots);
-        self.surfaces.close(false, sink)?;
-        let (slots, table) = (RowSlots::Pixels(slots), self.surfaces.table());
+        join_neighbours(areas, &line, carried.slots, slots, &mut cached, sink)?;
+        if let Some(turn_rad) = areas.seam_rad.take() {
+            turns.learn(turn_rad);
+        }
+        areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), sink)?;
+        areas.settle([slots, carried.slots]);
+        carried.take(slots, returns, areas);
+        areas.close(false, sink)?;
+        let (slots, table) = (RowSlots::Pixels(slots), areas.table());
         sink.row(&LabelRow { row: beam.row, columns, returns, slots, table })?;
         ControlFlow::Continue(unlabelled)
     }
 }
 
-/// Cuts the pixels that follow no plane into lines, and gives each to an area of the row above or
-/// to a new one. Returns the pixels of lines that found the table of areas full. `cuts` is scratch,
-/// one element per column.
-fn take_lines(
-    surfaces: &mut Surfaces,
-    row: &Scanline,
-    above: &[u16],
-    slots: &mut [u16],
-    free: &[u32],
-    cuts: &mut [u16],
-    noise: &Noise,
-) -> u32 {
-    let mut unlabelled = 0;
-    let mut points = RowPoints::new(row.fan, row.frame, row.ranges_m);
-    let (mut lanes, mut at_chunk) = (Lanes::EMPTY, usize::MAX);
-    for run in runs(free, slots.len()) {
-        let place = |column: usize| {
-            if at_chunk != column / CHUNK {
-                at_chunk = column / CHUNK;
-                row.lanes(at_chunk * CHUNK, &mut lanes);
-            }
-            let (i, range_m) = (column % CHUNK, lanes.range_m[column % CHUNK]);
-            [range_m * lanes.cos[i], range_m * lanes.sin[i]]
-        };
-        let (range_m2, rules) = (noise.range_m2 as f32, surfaces.rules);
-        lines(run, range_m2, rules, cuts, place, |found| {
-            let moments = points.moments(found.columns.clone());
-            let slot = area_for(surfaces, above, &found.columns, &moments, f64::from(found.chi_square), noise);
-            part_mut(slots, found.columns.clone()).fill(slot);
-            if slot == FULL {
-                unlabelled += found.columns.len() as u32;
-            }
-        });
+/// Budget of the end of a scan for joins across gaps, for each column.
+const LAST_BRIDGES: u32 = 64;
+/// Least budget of a row.
+const LEAST_BRIDGES: u32 = 16;
+
+/// A row as it was pushed.
+fn scanline<'r>(
+    config: &'r PlaneConfig,
+    fan: &'r Fan<'r>,
+    beam: RowBeam,
+    ranges_m: &'r [f32],
+    stated: &Variance,
+) -> Scanline<'r> {
+    let ranging = &config.ranging;
+    let stated_rad2 = ranging.turn_noise_rad * ranging.turn_noise_rad;
+    Scanline {
+        ranging,
+        fan,
+        frame: fan.frame(beam),
+        ranges_m,
+        wraps: fan.wraps(),
+        variance: *stated,
+        alike_px: ranging.noise_correlation_px,
+        turned_rad: 0.0,
+        offset_m: 0.0,
+        stated_rad2,
+        shared_rad2: stated_rad2,
+        gap_columns: config.rules.gap_columns,
     }
-    unlabelled
 }

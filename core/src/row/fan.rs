@@ -60,6 +60,11 @@ impl<'a> Fan<'a> {
         matches!(self.beams, Beams::Spinning { wraps: true, .. })
     }
 
+    /// Whether rows are the rings of a spinning scanner.
+    pub fn spins(&self) -> bool {
+        matches!(self.beams, Beams::Spinning { .. })
+    }
+
     /// Cosines and sines of the column angles of a chunk that starts at column `from`, which may
     /// lie outside.
     pub fn cos_sin(&self, columns: &Columns, from: isize, cos: &mut Lane, sin: &mut Lane) {

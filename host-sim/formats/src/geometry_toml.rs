@@ -10,6 +10,7 @@ use toml::{Table, Value};
 
 use crate::file::FileError;
 use crate::geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+use crate::noise::Noise;
 
 const NODDING: &str = "nodding";
 const SPINNING: &str = "spinning";
@@ -39,6 +40,10 @@ impl Geometry {
         let min_range_m = keys.optional_number("min_range_m")?;
         let max_range_m = keys.optional_number("max_range_m")?;
         let range_noise_m = keys.optional_number("range_noise_m")?;
+        let mut noise = Noise::NONE;
+        for (key, value) in noise.keys() {
+            *value = keys.optional_number(key)?.unwrap_or(*value);
+        }
         let (kind_name, kind) =
             keys.word("kind", &[NODDING, SPINNING, PINHOLE], "one of nodding, spinning, pinhole").and_then(|name| {
                 let kind = match name {
@@ -50,7 +55,7 @@ impl Geometry {
             })?;
         keys.finish(kind_name)?;
 
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, kind };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
         geometry.check()?;
         Ok(geometry)
     }
@@ -82,6 +87,11 @@ impl Geometry {
         for (key, value) in limits {
             if let Some(m) = value {
                 line(key, format!("{m:?}"));
+            }
+        }
+        for ((key, value), (_, none)) in { self.noise }.keys().into_iter().zip({ Noise::NONE }.keys()) {
+            if *value != *none {
+                line(key, format!("{value:?}"));
             }
         }
         match &self.kind {

@@ -1,6 +1,6 @@
 //! Geometry files: what is refused and how it is said, exact round trips.
 use proptest::prelude::*;
-use scanseg_formats::{Angles, Depth, Geometry, Kind, TurnAxis};
+use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, TurnAxis};
 
 const SPINNING: &str = "version = 1
 unit_m = 0.001
@@ -41,6 +41,7 @@ fn each_kind_is_read() {
             min_range_m: None,
             max_range_m: None,
             range_noise_m: None,
+            noise: Noise::NONE,
             kind: Kind::Spinning {
                 azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
                 elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
@@ -218,6 +219,23 @@ fn kind() -> impl Strategy<Value = Kind> {
     ]
 }
 
+/// Some of the errors of a scanner.
+fn noise() -> impl Strategy<Value = Noise> {
+    let some = || prop_oneof![Just(0.0), 1e-9..1.0];
+    (some(), some(), some(), some(), some(), some(), prop_oneof![Just(1.0), 1.0..9.0]).prop_map(
+        |(range_noise_per_m, range_noise_per_m2, range_step_m, beam_noise_deg, turn_noise_deg, flatness_m, px)| Noise {
+            range_noise_per_m,
+            range_noise_per_m2,
+            range_step_m,
+            range_step_per_m2: 0.5 * range_step_m,
+            noise_correlation_px: px,
+            beam_noise_deg,
+            turn_noise_deg,
+            flatness_m,
+        },
+    )
+}
+
 proptest! {
     #[test]
     fn a_geometry_survives_its_file(
@@ -226,9 +244,10 @@ proptest! {
         min_range_m in prop::option::of(0.0..1.0),
         max_range_m in prop::option::of(1.0..1e9),
         range_noise_m in prop::option::of(0.0..1.0),
+        noise in noise(),
         kind in kind(),
     ) {
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, kind };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
         prop_assert_eq!(Geometry::parse(&geometry.to_toml()), Ok(geometry));
     }
 

@@ -5,7 +5,7 @@ use scanseg_core::{
     AnyConfig, Approach, ConfigError, EdgeConfig, Element, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig, Trace,
 };
 use scanseg_formats::{Depth, Geometry, Kind};
-use scanseg_sim::segmentation::SegmentationError;
+use scanseg_sim::segmentation::{self, SegmentationError};
 use serde::Serialize;
 
 use crate::command::output::Failure;
@@ -52,7 +52,7 @@ pub struct Options {
     /// preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     plane_distance_m: Option<f32>,
-    /// Size of the table of live labels [default: enough for any image]
+    /// Size of the table of live labels [default: enough for any image; by planes twice the columns]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_labels: Option<u32>,
 }
@@ -111,7 +111,8 @@ impl Options {
             option.map(|m| m as f32).or(in_file).unwrap_or(preset)
         };
         let noise_m = geometry.range_noise_m.map(|m| m as f32);
-        Ranging::new(given(self.range_noise_m, noise_m, preset.range_noise_m)).with_limits(
+        let noise_m = given(self.range_noise_m, noise_m, preset.range_noise_m);
+        segmentation::ranging(noise_m, &geometry.noise).with_limits(
             given(self.min_range_m, geometry.min_range_m.map(no_minimum), preset.min_range_m),
             given(self.max_range_m, geometry.max_range_m.map(maximum), preset.max_range_m),
         )
@@ -236,8 +237,8 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
 pub struct Configuration {
     approach: &'static str,
     range_noise_m: f32,
-    min_range_m: f32,
-    max_range_m: f32,
+    pub min_range_m: f32,
+    pub max_range_m: f32,
     roof_angle_deg: f32,
     step_angle_deg: f32,
     traces: Vec<String>,

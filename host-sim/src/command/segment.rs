@@ -156,11 +156,13 @@ fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, m
     let ranging = config.ranging();
     let listed = segmentation.of_pixels(min_pixels);
     let is_return = |range_m: &&f32| (ranging.min_range_m..=ranging.max_range_m).contains(*range_m);
+    let returns = input.ranges.range_m.iter().filter(is_return).count();
     Listing {
         header: Header {
             rows: segmentation.rows,
             columns: segmentation.columns,
-            returns: input.ranges.range_m.iter().filter(is_return).count(),
+            returns,
+            outside_limits: input.ranges.range_m.iter().filter(|&&range_m| range_m > 0.0).count() - returns,
             edge_pixels: segmentation.closed_edges.iter().filter(|&&edge| edge).count(),
             segment_pixels: segmentation.segments.iter().map(|s| s.pixels() as usize).sum(),
             unlabelled_pixels: segmentation.unlabelled,

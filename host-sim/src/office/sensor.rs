@@ -2,7 +2,7 @@
 
 use std::{error, fmt};
 
-use scanseg_formats::{Angles, Depth, Geometry, Kind, TurnAxis};
+use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, TurnAxis};
 
 use crate::office::rng::Rng;
 use crate::office::scene::Scene;
@@ -207,6 +207,7 @@ impl Scene {
             min_range_m: None,
             max_range_m: sensor.max_range_m.is_finite().then_some(sensor.max_range_m),
             range_noise_m: (sensor.range_noise_m > 0.0).then_some(sensor.range_noise_m),
+            noise: Noise::NONE,
             kind: reported,
         };
         Ok(SimulatedScan { rows: sensor.rows, columns: sensor.columns, range_m, truth, geometry })

@@ -47,7 +47,7 @@ impl Segmentation {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let config = config.into();
-        let mut memory = OwnedMemory::new(config.sizes(scan.columns), max_labels);
+        let mut memory = OwnedMemory::new(config, scan.columns, max_labels);
         let mut collected = Collected::new(scan.rows, scan.columns);
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
@@ -156,11 +156,11 @@ impl Sink for Collected {
 mod tests {
     use super::*;
     use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_ROWS, TurnAxis};
-    use scanseg_formats::{Angles, Depth, Kind};
+    use scanseg_formats::{Angles, Depth, Kind, Noise};
 
     fn geometry(kind: Kind) -> Geometry {
         let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind }
+        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, noise: Noise::NONE, kind }
     }
 
     fn camera() -> Geometry {
