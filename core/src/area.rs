@@ -13,16 +13,17 @@ pub const fn live_labels(columns: usize) -> usize {
     columns / 2 + 1
 }
 
-/// A live area: an element of the table of live labels, 84 bytes. Opaque; made by [`Area::EMPTY`].
+/// A live area: an element of the table of live labels, 88 bytes. Opaque; made by [`Area::EMPTY`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C, packed(4))]
 pub struct Area {
-    pub(crate) second: [i64; 6],
-    pub(crate) first_low: [u32; 3],
+    /// Sums over its points, as each approach keeps them: exact moments, or a plane with its sums.
+    pub(crate) store: [u32; 16],
     pub(crate) points: u32,
     /// Label; in a free slot the next free slot.
     pub(crate) label: u32,
-    pub(crate) first_high: [i16; 3],
+    /// The upper parts of the first moments, or rows and state.
+    pub(crate) halves: [u16; 3],
     /// Runs of the frontier that refer to this slot itself.
     pub(crate) runs: u16,
     pub(crate) first_row: u16,
@@ -35,11 +36,10 @@ pub struct Area {
 impl Area {
     /// For the memory that a segmenter is given: `[Area::EMPTY; live_labels(COLUMNS)]`.
     pub const EMPTY: Area = Area {
-        second: [0; 6],
-        first_low: [0; 3],
+        store: [0; 16],
         points: 0,
         label: 0,
-        first_high: [0; 3],
+        halves: [0; 3],
         runs: 0,
         first_row: 0,
         first_column: 0,
@@ -48,9 +48,10 @@ impl Area {
     };
 
     pub(crate) fn moments(&self) -> Moments {
-        let (low, high) = (self.first_low, self.first_high);
-        let first = core::array::from_fn(|i| (i64::from(high[i]) << 32) | i64::from(low[i]));
-        Moments { points: self.points, first, second: self.second }
+        let (store, high) = (self.store, self.halves);
+        let first = core::array::from_fn(|i| (i64::from(high[i] as i16) << 32) | i64::from(store[12 + i]));
+        let second = core::array::from_fn(|i| (u64::from(store[2 * i + 1]) << 32 | u64::from(store[2 * i])) as i64);
+        Moments { points: self.points, first, second }
     }
 
     /// A new area whose first pixel is this one; `slot` is where it stands in its table.
@@ -84,6 +85,7 @@ impl Area {
             first_column: self.first_column,
             last_column: self.last_column,
             moments: self.moments(),
+            fitted: None,
         }
     }
 
@@ -96,8 +98,14 @@ impl Area {
             sum.merge(more);
         }
         self.points = sum.points;
-        self.second = sum.second;
-        self.first_low = sum.first.map(|s| s as u32);
-        self.first_high = sum.first.map(|s| (s >> 32) as i16);
+        let mut store = [0; 16];
+        for (pair, sum) in store.as_chunks_mut().0.iter_mut().zip(sum.second) {
+            *pair = [sum as u32, (sum >> 32) as u32];
+        }
+        for (to, sum) in store[12..15].iter_mut().zip(sum.first) {
+            *to = sum as u32;
+        }
+        self.store = store;
+        self.halves = sum.first.map(|s| (s >> 32) as u16);
     }
 }

@@ -20,7 +20,7 @@
 //! plane    turn of the row beyond that angle             plane/turn
 //!          pixels that follow a plane of the row above   plane/follow
 //!          lines in what follows none                    plane/line
-//!          surfaces, joined where they fit               plane/surface, plane/join, plane/fit
+//!          areas, joined where they fit                  plane/areas, plane/join, sums
 //!
 //! edge     bearing angles along the traces               edge/bearing, edge/beam_angle (section 3)
 //!          roof and step edges, OR                       edge/sobel (section 4)
@@ -48,7 +48,7 @@
 // `row::within`, or by `get`. The drivers keep the same rule.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "trace"))]
 extern crate std;
 
 mod any;
@@ -68,6 +68,7 @@ mod row;
 mod scan;
 mod segment;
 mod sink;
+mod sums;
 
 pub use any::{AnyConfig, AnySegmenter, Approach};
 pub use area::{Area, live_labels};
@@ -80,12 +81,13 @@ pub use edge::{
 pub use error::{ConfigError, PushError};
 pub use memory::{Buffers, Memory, Sizes};
 pub use moments::{Moments, POINT_UNIT_M};
-pub use plane::{PlaneConfig, PlaneSegmenter, Rules};
+pub use plane::{NoiseModel, PlaneConfig, PlaneSegmenter, Rules};
 pub use plane_fit::Plane;
 pub use region::{RegionConfig, RegionSegmenter};
 pub use scan::{Finished, MAX_LATENCY_ROWS, MAX_ROWS, Segmenter, Status};
 pub use segment::{Join, Label, Segment};
 pub use sink::{EdgeRow, LabelRow, Pixel, Sink};
+pub use sums::{Errors, Fitted, Sums};
 
 /// Compiles the example of the README.
 #[cfg(doctest)]

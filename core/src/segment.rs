@@ -4,6 +4,7 @@ use core::fmt;
 
 use crate::moments::Moments;
 use crate::plane_fit::Plane;
+use crate::sums::Fitted;
 
 /// The label of an area: 1, 2, 3, ... in the order in which areas begin. A row begins the next ones
 /// without a gap; each shows in that row, or in a join that it brings. Never used twice within a
@@ -54,8 +55,10 @@ pub struct Segment {
     pub first_column: u16,
     /// Rightmost column with a pixel of it.
     pub last_column: u16,
-    /// Its points.
+    /// Its points. By planes only their number; the rest is in [`Segment::fitted`].
     pub moments: Moments,
+    /// By planes: its plane, and the sums that it comes from.
+    pub fitted: Option<Fitted>,
 }
 
 impl Segment {
@@ -68,12 +71,20 @@ impl Segment {
     /// Mean of its points, metres.
     #[must_use]
     pub fn centroid_m(&self) -> [f32; 3] {
-        self.moments.centroid_m().unwrap_or_default()
+        match &self.fitted {
+            Some(fitted) => fitted.centroid_m(),
+            None => self.moments.centroid_m().unwrap_or_default(),
+        }
     }
 
-    /// Its plane; see [`Moments::plane`].
+    /// Its plane: by planes that of least squares of the range errors, see [`Fitted::plane`], of
+    /// one row none; else see [`Moments::plane`].
     #[must_use]
     pub fn plane(&self) -> Option<Plane> {
-        self.moments.plane()
+        match &self.fitted {
+            Some(fitted) if self.last_row > self.first_row => fitted.plane(self.moments.points),
+            Some(_) => None,
+            None => self.moments.plane(),
+        }
     }
 }

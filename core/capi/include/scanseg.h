@@ -348,6 +348,11 @@ typedef struct scanseg_event {
      * `scanseg_fit_plane`.
      */
     int64_t second_moments[6];
+    /**
+     * Segment by planes: what its plane comes from, see `scanseg_fit_plane`; its moments are then
+     * 0.
+     */
+    float fitted[14];
 } scanseg_event;
 
 /**

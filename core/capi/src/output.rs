@@ -3,7 +3,7 @@
 use core::ffi::c_void;
 use core::ops::ControlFlow;
 
-use scanseg_core::{Join, LabelRow, Moments, Pixel, Segment, Sink};
+use scanseg_core::{Fitted, Join, LabelRow, Moments, Pixel, Plane, Segment, Sink};
 
 use crate::check::{check_pointer, check_struct};
 use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_NO_PLANE, SCANSEG_OK, Status};
@@ -54,6 +54,9 @@ pub struct Event {
     /// Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
     /// `scanseg_fit_plane`.
     pub second_moments: [i64; 6],
+    /// Segment by planes: what its plane comes from, see `scanseg_fit_plane`; its moments are then
+    /// 0.
+    pub fitted: [f32; 14],
 }
 
 /// The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
@@ -215,23 +218,31 @@ impl Sink for Collector {
             last_column: segment.last_column,
             first_moments: segment.moments.first,
             second_moments: segment.moments.second,
+            fitted: segment.fitted.map_or([0.0; 14], |fitted| fitted.numbers()),
         })
     }
 }
 
-/// The plane of an event's moments.
+/// The plane of an event's moments, or of what else it comes from.
 pub(crate) fn fit_plane(event: &Event) -> Result<PlaneFit, Status> {
+    if event.fitted[0] > 0.0 {
+        if event.last_row <= event.first_row {
+            return Err(SCANSEG_NO_PLANE);
+        }
+        let fitted = Fitted::of_numbers(&event.fitted);
+        let plane = fitted.plane(event.pixels).ok_or(SCANSEG_NO_PLANE)?;
+        return Ok(fit_of(fitted.centroid_m(), &plane));
+    }
     // sums that no segment has
     if event.first_moments.contains(&i64::MIN) {
         return Err(SCANSEG_NO_PLANE);
     }
     let moments = Moments { points: event.pixels, first: event.first_moments, second: event.second_moments };
     let plane = moments.plane().ok_or(SCANSEG_NO_PLANE)?;
-    Ok(PlaneFit {
-        centroid_m: moments.centroid_m().unwrap_or_default(),
-        normal: plane.normal,
-        distance_m: plane.distance_m,
-        rms_m: plane.rms_m,
-        covariance: plane.covariance,
-    })
+    Ok(fit_of(moments.centroid_m().unwrap_or_default(), &plane))
+}
+
+fn fit_of(centroid_m: [f32; 3], plane: &Plane) -> PlaneFit {
+    let Plane { normal, distance_m, rms_m, covariance } = *plane;
+    PlaneFit { centroid_m, normal, distance_m, rms_m, covariance }
 }

@@ -1,150 +1,140 @@
-//! Lines in what follows no plane (paper section 4, region-based: each row is first broken into
-//! lines).
-//!
-//! A run of pixels is cut into lines so that the sum of squared range errors, in units of the
-//! noise, plus a price for each line is least: Bellman's recursion over the last cut. Within a row
-//! 1 / range is linear in the cosine and the sine of the beam on every straight line, whatever its
-//! incidence, so that no bearing angle and no threshold on one is needed.
-//!
-//! Only [`CANDIDATE_CUTS`] last cuts are kept: one that a line from it costs more than the best by
-//! the price of a line can never win again, and of the others the worst goes. Work is linear in the
-//! pixels.
+//! Lines in what follows no plane: Bellman's recursion over the last cut, eight candidates side by side.
+#![allow(clippy::indexing_slicing)] // arrays of known length
 
-use core::ops::Range;
-
-use crate::plane::rules::{CANDIDATE_CUTS, Rules};
+use crate::plane::row::{Cached, RowView};
+use crate::plane::rules::Rules;
 use crate::row::within::{at, put};
+use core::ops::{ControlFlow, Range};
 
-/// A line of a row.
-pub(crate) struct Line {
-    pub columns: Range<usize>,
-    /// Sum of its squared range errors, in units of the noise.
-    pub chi_square: f32,
-}
+/// Last cuts that are kept.
+const CUTS: usize = 8;
 
-/// A last cut: a line that may begin here, with the least squares of its pixels so far.
-#[derive(Clone, Copy, Default)]
-struct Cut {
-    column: usize,
+/// What stands for a cut that is out.
+const OUT: f32 = 1e30;
+
+type Eight = [f32; CUTS];
+
+/// Last cuts: each a line that may begin there.
+struct Cuts {
+    column: [u32; CUTS],
     /// Least cost of what is before.
-    cost: f32,
-    /// First point within the row, and one over its range.
-    x: f32,
-    y: f32,
-    inverse: f32,
-    pixels: u32,
-    /// The range error of a pixel is e - (A a + B b). Its squares d (A + r B - y)^2 + D (B - Y)^2 +
-    /// squares, as d, r, y, D, Y.
-    solved: [f32; 5],
-    /// Those that the best A and B leave, m^2.
-    squares_m2: f32,
+    cost: Eight,
+    cos: Eight,
+    sin: Eight,
+    inverse_m: Eight,
+    pixels: Eight,
+    /// The triangle of the solution: d (A + r B - y)^2 + D (B - Y)^2 + squares.
+    solved: [Eight; 5],
+    squares: Eight,
 }
 
-impl Cut {
-    fn new(column: usize, cost: f32, [x, y]: [f32; 2]) -> Cut {
-        let inverse = 1.0 / libm::sqrtf(x * x + y * y);
-        Cut { column, cost, x, y, inverse, ..Cut::default() }
+impl Cuts {
+    const NONE: Cuts = Cuts {
+        column: [0; CUTS],
+        cost: [OUT; CUTS],
+        cos: [1.0; CUTS],
+        sin: [0.0; CUTS],
+        inverse_m: [0.0; CUTS],
+        pixels: [0.0; CUTS],
+        solved: [[0.0; CUTS]; 5],
+        squares: [0.0; CUTS],
+    };
+
+    fn put(&mut self, i: usize, column: usize, cost: f32, cos: f32, sin: f32, inverse_m: f32) {
+        let i = i % CUTS;
+        self.column[i] = column as u32;
+        (self.cost[i], self.cos[i], self.sin[i], self.inverse_m[i]) = (cost, cos, sin, inverse_m);
+        (self.pixels[i], self.squares[i]) = (0.0, 0.0);
+        for s in &mut self.solved {
+            s[i] = 0.0;
+        }
     }
 
-    /// One more pixel of the line. What is solved for is the difference from a circle about the
-    /// scanner: small numbers, but for lines across a step, where sums of products would lose all
-    /// their digits. So the triangle of the solution is kept instead, and turned by each pixel
-    /// (Gentleman 1973, Givens rotations without square roots).
-    fn add(&mut self, [x, y]: [f32; 2], range_m: f32) {
-        let along = (self.x * x + self.y * y) * self.inverse;
-        let across = (self.x * y - self.y * x) * self.inverse;
-        let (a, b, e) = (range_m * along, range_m * across, range_m * (1.0 - along * self.inverse));
-        self.pixels += 1;
-        let [d, r, y, below, below_y] = &mut self.solved;
-        let (b, e) = (b - a * *r, e - a * *y);
-        let before = *d;
-        *d += a * a;
-        let share = a / *d;
-        let weight = before / *d;
-        (*r, *y) = (*r + share * b, *y + share * e);
-        let e = e - b * *below_y;
-        let before = *below;
-        *below += weight * b * b;
-        if *below > 0.0 {
-            let per = weight / *below;
-            *below_y += per * b * e;
-            self.squares_m2 += per * before * e * e;
+    /// One more pixel of every line; `root` is the root of its weight.
+    #[inline(always)]
+    fn add(&mut self, cos: f32, sin: f32, inverse_m: f32, root: f32) {
+        let [sd, sr, sy, sdd, syy] = &mut self.solved;
+        for i in 0..CUTS {
+            let along = cos * self.cos[i] + sin * self.sin[i];
+            let across = sin * self.cos[i] - cos * self.sin[i];
+            let (a, b, e) = (root * along, root * across, root * (inverse_m - along * self.inverse_m[i]));
+            let (b, e) = (b - a * sr[i], e - a * sy[i]);
+            let before = sd[i];
+            let d = before + a * a;
+            let over = 1.0 / d;
+            let (share, weight) = (a * over, before * over);
+            sd[i] = d;
+            sr[i] += share * b;
+            sy[i] += share * e;
+            let e = e - b * syy[i];
+            let before = sdd[i];
+            let dd = before + weight * b * b;
+            let per = if dd > 0.0 { weight / dd } else { 0.0 };
+            sdd[i] = dd;
+            syy[i] += per * b * e;
+            self.squares[i] += per * before * e * e;
+            self.pixels[i] += 1.0;
         }
     }
 }
 
-/// Cuts `run` into lines, and gives them from right to left; of single pixels none. `point` gives
-/// the place of a column within its row, metres. `from` is scratch, one element per column of the
-/// image: where the last line up to each begins.
-pub(crate) fn lines(
+/// Cuts the free pixels of `run` into lines, and gives them from right to left; of single pixels none.
+pub(crate) fn lines<B>(
     run: Range<usize>,
-    noise_m2: f32,
+    row: &RowView,
     rules: &Rules,
     from: &mut [u16],
-    mut point: impl FnMut(usize) -> [f32; 2],
-    mut found: impl FnMut(Line),
-) {
-    let per_noise = 1.0 / noise_m2;
-    let mut cuts = [Cut::default(); CANDIDATE_CUTS];
-    let mut kept = 0;
+    cached: &mut Cached,
+    mut found: impl FnMut(Range<usize>, &mut Cached) -> ControlFlow<B>,
+) -> ControlFlow<B> {
+    let start = run.start;
+    let share = 1.0 / row.alike_row;
+    let mut cuts = Cuts::NONE;
     let mut cost = 0.0;
     for column in run.clone() {
-        let place = point(column);
-        let range_m = range_of(place);
-        if kept == CANDIDATE_CUTS {
-            // the last costs of all cuts are within the price of a line; the one with the greatest
-            // goes
-            kept -= 1;
-            cuts.swap(0, kept);
+        let (lanes, i) = cached.at(row, column);
+        let (cos, sin, range_m) = (lanes.cos[i], lanes.sin[i], lanes.range_m[i]);
+        if range_m == 0.0 {
+            continue;
         }
-        put(&mut cuts, kept, Cut::new(column, cost, place));
-        kept += 1;
-        let mut costs = [0.0; CANDIDATE_CUTS];
-        let mut best = (f32::MAX, column);
-        for (cut, cost) in cuts.iter_mut().zip(&mut costs).take(kept) {
-            cut.add(place, range_m);
-            *cost = cut.cost
-                + if cut.pixels == 1 { rules.lone_price } else { rules.line_price + cut.squares_m2 * per_noise };
-            if *cost < best.0 {
-                best = (*cost, cut.column);
+        let inverse_m = 1.0 / range_m;
+        let square = range_m * range_m;
+        let root = libm::sqrtf(share / row.variance.at(range_m)) * square;
+        let mut worst = (-1.0, 0);
+        for j in 0..CUTS {
+            let total = cuts.cost[j] + cuts.squares[j];
+            if total > worst.0 {
+                worst = (total, j);
+            }
+        }
+        let per = 1.0 / (cos * cos + sin * sin);
+        cuts.put(worst.1, column, cost, cos, sin, inverse_m * per);
+        cuts.add(cos, sin, inverse_m, root);
+        let totals: Eight = core::array::from_fn(|j| {
+            cuts.cost[j] + if cuts.pixels[j] == 1.0 { rules.lone } else { rules.line + cuts.squares[j] }
+        });
+        let mut best = (totals[0], 0);
+        for (j, &total) in totals.iter().enumerate() {
+            if total < best.0 {
+                best = (total, j);
             }
         }
         cost = best.0;
-        put(from, column, (best.1 - run.start) as u16);
-        let (mut left, mut worst) = (0, (f32::MIN, 0));
-        for (i, at_cost) in costs.into_iter().enumerate().take(kept) {
-            if at_cost <= cost + rules.line_price {
-                if at_cost > worst.0 {
-                    worst = (at_cost, left);
-                }
-                let cut = at(&cuts, i);
-                put(&mut cuts, left, cut);
-                left += 1;
-            }
+        put(from, column, (cuts.column[best.1 % CUTS] as usize - start) as u16);
+        for (of_cut, total) in cuts.cost.iter_mut().zip(totals) {
+            *of_cut = if total > cost + rules.line { OUT } else { *of_cut };
         }
-        kept = left;
-        cuts.swap(0, worst.1 % CANDIDATE_CUTS);
     }
-    let (start, mut end) = (run.start, run.end);
+    let mut end = run.end;
     while end > start {
-        let begin = start + usize::from(at(from, end - 1));
-        if end - begin >= rules.min_line_pixels {
-            found(Line { columns: begin..end, chi_square: squares_m2(begin..end, &mut point) * per_noise });
+        let (lanes, i) = cached.at(row, end - 1);
+        if lanes.range_m[i] == 0.0 {
+            end -= 1;
+            continue;
         }
+        let begin = start + usize::from(at(from, end - 1));
+        found(begin..end, cached)?;
         end = begin;
     }
-}
-
-/// Squared range errors that the best line through some columns leaves, m^2.
-fn squares_m2(columns: Range<usize>, mut point: impl FnMut(usize) -> [f32; 2]) -> f32 {
-    let mut line = Cut::new(columns.start, 0.0, point(columns.start));
-    for column in columns {
-        let place = point(column);
-        line.add(place, range_of(place));
-    }
-    line.squares_m2
-}
-
-fn range_of([x, y]: [f32; 2]) -> f32 {
-    libm::sqrtf(x * x + y * y)
+    ControlFlow::Continue(())
 }

@@ -1,17 +1,17 @@
 //! The default: planes that go on from row to row.
 
+mod areas;
 mod config;
-mod fit;
 mod follow;
 mod join;
 mod line;
 mod noise;
+mod row;
 mod rules;
-mod scanline;
 mod segmenter;
-mod surface;
 mod turn;
 
 pub use config::PlaneConfig;
+pub use noise::NoiseModel;
 pub use rules::Rules;
 pub use segmenter::PlaneSegmenter;

@@ -3,40 +3,42 @@
 //!
 //! ```text
 //! row r arrives
+//!   noise as the row tells it                            noise
 //!   turn of the row beyond what was reported             turn
-//!   pixels that go on with a plane of row r - 1          follow
+//!   pixels that go on with a plane that is carried       follow
 //!   lines in what follows no plane                       line
 //!   each line joins an area above it, or begins one      join
-//!   planes are computed anew                             surface
 //!   neighbours, and pieces across a gap, join            join
-//!   what has not grown is complete                       surface
+//!   what no column carries on is complete                areas
 //! ```
 //!
-//! Everything of row r happens when row r arrives.
+//! Everything of row r happens when row r arrives. Each column carries the area that it saw last
+//! across up to three rows without a return.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::fmt;
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
-use crate::area::live_labels;
 use crate::beam::Beams;
 use crate::error::{ConfigError, PushError};
 use crate::memory::Memory;
+use crate::plane::areas::{Areas, FULL, tried_pairs};
 use crate::plane::config::PlaneConfig;
-use crate::plane::follow::{Followed, follow};
-use crate::plane::join::{area_for, join_neighbours};
+use crate::plane::follow::{Followed, RowNoise, follow};
+use crate::plane::join::join_neighbours;
 use crate::plane::line::lines;
-use crate::plane::noise::Noise;
-use crate::plane::scanline::{Lanes, Scanline};
-use crate::plane::surface::{FULL, PLANE_LEN, Surfaces};
-use crate::plane::turn::RowTurns;
-use crate::row::bits::{CHUNK, load, pack, runs, words};
+use crate::plane::noise::{Measured, Variance};
+use crate::plane::row::{Cached, RowView};
+use crate::plane::turn::Turns;
+use crate::row::bits::{CHUNK, load, pack, words};
 use crate::row::fan::{Fan, RowBeam};
-use crate::row::points::RowPoints;
 use crate::row::slots::{NONE, equal_runs};
-use crate::row::within::{at, part_mut, split_mut};
+use crate::row::within::{at, part, part_mut, put, split_mut};
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
+
+/// Looks for pieces across gaps at the end of a scan, for each column; a row has a quarter.
+const LAST_BRIDGES: u32 = 64;
 
 /// Segments a scan while it comes in, row by row, by planes that go on from row to row. Its latency
 /// is 0 rows.
@@ -72,16 +74,17 @@ use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 /// ```
 pub struct PlaneSegmenter<'a> {
     config: PlaneConfig,
-    range_m2: f32,
+    variance: Variance,
+    measured: Measured,
     fan: Fan<'a>,
     columns: usize,
     progress: Progress,
-    turns: RowTurns,
+    turns: Turns,
     scratch: &'a mut [f32],
-    /// Slots of two rows, row q at q % 2; then the cuts of a row.
-    slots: &'a mut [u16],
+    /// Slots of a row; those that the columns carry on to the next; cuts of a row.
+    halves: &'a mut [u16],
     bits: &'a mut [u32],
-    surfaces: Surfaces<'a>,
+    areas: Areas<'a>,
 }
 
 impl fmt::Debug for PlaneSegmenter<'_> {
@@ -116,7 +119,10 @@ impl Segmenter for PlaneSegmenter<'_> {
     }
 
     fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> Finished {
-        let ended = self.surfaces.close(true, sink);
+        let mut ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
+        if ended.is_continue() {
+            ended = self.areas.close(true, sink);
+        }
         let finished = self.progress.finished(ended);
         self.reset();
         finished
@@ -124,9 +130,11 @@ impl Segmenter for PlaneSegmenter<'_> {
 
     fn reset(&mut self) {
         self.progress = Progress::default();
-        self.turns = RowTurns::default();
-        self.slots.fill(NONE);
-        self.surfaces.reset();
+        self.turns = Turns::default();
+        self.measured = Measured::NONE;
+        self.halves.fill(NONE);
+        self.bits.fill(0);
+        self.areas.reset();
     }
 
     fn latency_rows(&self) -> usize {
@@ -145,49 +153,132 @@ impl<'a> PlaneSegmenter<'a> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
         memory.check(&config.sizes(columns))?;
-        let areas = memory.areas.len().min(live_labels(columns));
-        let (planes, scratch) = split_mut(memory.numbers, PLANE_LEN * areas);
-        let (slots, marks) = split_mut(memory.halves, 3 * columns);
-        let (table, max_range_m) = (part_mut(memory.areas, 0..areas), config.ranging.max_range_m);
-        let surfaces = Surfaces::new(table, planes, marks, max_range_m, config.rules);
-        let (noise_m, least_m) = (config.ranging.range_noise_m, config.rules.least_noise_m);
-        let range_m2 = noise_m * noise_m + least_m * least_m;
-        let (progress, turns, bits) = (Progress::default(), RowTurns::default(), memory.words);
-        let mut segmenter = Self { config, range_m2, fan, columns, progress, turns, scratch, slots, bits, surfaces };
+        let variance = Variance::new(config.ranging.range_noise_m, &config.noise, config.rules.least_noise_m);
+        let (tried, bits) = split_mut(memory.words, tried_pairs(columns));
+        let mut areas = Areas::new(memory.areas, tried, config.rules);
+        areas.axis = fan.axis();
+        let mut segmenter = Self {
+            config,
+            variance,
+            measured: Measured::NONE,
+            fan,
+            columns,
+            progress: Progress::default(),
+            turns: Turns::default(),
+            scratch: memory.numbers,
+            halves: memory.halves,
+            bits,
+            areas,
+        };
         segmenter.reset();
         Ok(segmenter)
     }
 
     fn grow<S: Sink + ?Sized>(&mut self, beam: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
         let columns = self.columns;
-        let (even, rest) = split_mut(self.slots, columns);
-        let (odd, cuts) = split_mut(rest, columns);
-        let (above, slots) = if beam.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
+        let (slots, rest) = split_mut(self.halves, columns);
+        let (carried, cuts) = split_mut(rest, columns);
         let mut bits = self.bits.chunks_exact_mut(words(columns).max(1));
         let mut packed = || bits.next().unwrap_or_default();
+        let (ages0, ages1) = (packed(), packed());
         let mut followed = Followed { returns: packed(), free: packed(), was_left: packed(), was_on: packed() };
         let frame = self.fan.frame(beam);
-        let ranging = &self.config.ranging;
-        let line = Scanline { ranging, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
-        self.surfaces.row = beam.row as u16;
+        let alike = self.config.noise.correlation_px.max(1.0);
+        let mut row = RowView {
+            ranging: &self.config.ranging,
+            fan: &self.fan,
+            frame,
+            ranges_m,
+            wraps: self.fan.wraps(),
+            variance: self.variance,
+            alike: alike * alike,
+            alike_row: alike,
+            turned_rad: 0.0,
+            offset_m: 0.0,
+            shared_rad2: 0.0,
+            stated_rad2: self.config.noise.turn_rad * self.config.noise.turn_rad,
+            gap_columns: self.config.rules.gap_columns,
+        };
+        row.measure(columns, beam.row, &mut self.measured);
+        row.variance = self.measured.variance(&self.variance, self.config.rules);
+        let areas = &mut self.areas;
+        areas.row = beam.row as u16;
 
-        let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);
-        follow(&line, above, &self.surfaces, &row_noise, &mut followed, slots);
-        let Followed { returns, free, .. } = followed;
-
-        let mut points = RowPoints::new(&self.fan, frame, ranges_m);
-        for run in equal_runs(slots) {
-            let slot = at(slots, run.start);
-            if slot < FULL {
-                self.surfaces.extend(slot, &run, &points.moments(run.clone()));
+        if let Some(by) =
+            self.turns.of_row(&row, carried, areas, self.config.noise.turn_rad, beam.turn_rad, self.scratch)
+        {
+            if row.fan.spins() {
+                row.offset_m = by;
+            } else {
+                row.turned_rad = by;
             }
         }
-        let noise = Noise {
-            range_m2: f64::from(self.range_m2),
-            turn_rad2: f64::from(self.turns.variance_rad2()),
-            axis: self.fan.axis(),
+        areas.turn_rad2 = self.turns.variance_rad2() + self.config.noise.turn_rad * self.config.noise.turn_rad;
+        row.shared_rad2 = row.turned_rad * row.turned_rad
+            + self.turns.variance_rad2()
+            + self.config.noise.turn_rad * self.config.noise.turn_rad;
+        let beam_rad = self.config.rules.least_beam_rad.max(self.config.noise.beam_rad);
+        let noise = RowNoise {
+            beam_rad2: beam_rad * beam_rad,
+            flat_m2: self.config.noise.flatness_m * self.config.noise.flatness_m,
+            turn_rad: row.turned_rad,
+            turn_rad2: 0.25 * self.turns.variance_rad2() + self.config.noise.turn_rad * self.config.noise.turn_rad,
         };
-        let unlabelled = take_lines(&mut self.surfaces, &line, above, slots, free, cuts, &noise);
+        follow(&row, carried, areas, &noise, &mut followed, slots);
+        let Followed { returns, free, .. } = followed;
+
+        let mut cached = Cached::EMPTY;
+        {
+            // runs of one area, across what is missing; planes as they were before this row
+            let mut start = 0;
+            while start < columns {
+                let slot = at(slots, start);
+                let mut end = start + part(slots, start..columns).iter().take_while(|&&s| s == slot).count();
+                if slot < FULL {
+                    // across missing pixels
+                    loop {
+                        let gap = part(slots, end..columns).iter().take_while(|&&s| s == NONE).count();
+                        let next = end + gap;
+                        if gap == 0
+                            || gap > usize::from(self.config.rules.gap_columns)
+                            || next >= columns
+                            || at(slots, next) != slot
+                            || (end..next).any(|c| at(returns, c / CHUNK) >> (c % CHUNK) & 1 == 1)
+                        {
+                            break;
+                        }
+                        end = next + part(slots, next..columns).iter().take_while(|&&s| s == slot).count();
+                    }
+                    let m = areas.get(slot).fitted.m;
+                    let run = start..end;
+                    let (sums, errors, count) = row.sums::<false>(run.clone(), m, &mut cached);
+                    areas.extend(slot, &run, &sums, &errors, count);
+                }
+                start = end;
+            }
+        }
+
+        let mut unlabelled = 0;
+        let mut at_column = 0;
+        while let Some(run) = free_run(free, returns, at_column, columns, usize::from(self.config.rules.gap_columns)) {
+            at_column = run.end;
+            let rules = self.config.rules;
+            let areas = &mut *areas;
+            let free = &*free;
+            lines(run, &row, rules, cuts, &mut cached, |run, cached| {
+                let (line, points) = row.fitted(run.clone(), cached);
+                let slot = areas.area_for(carried, &run, &line, points);
+                if slot == FULL {
+                    unlabelled += points;
+                }
+                for column in run {
+                    if at(free, column / CHUNK) >> (column % CHUNK) & 1 == 1 {
+                        put(slots, column, slot);
+                    }
+                }
+                ControlFlow::<()>::Continue(())
+            })?;
+        }
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
@@ -195,50 +286,58 @@ impl<'a> PlaneSegmenter<'a> {
         }
         sink.edges(&EdgeRow { row: beam.row, columns, words: free })?;
 
-        self.surfaces.refit();
-        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
-        self.surfaces.bridge(&noise, sink)?;
-        self.surfaces.settle(slots);
-        self.surfaces.close(false, sink)?;
-        let (slots, table) = (RowSlots::Pixels(slots), self.surfaces.table());
+        join_neighbours(areas, &row, carried, slots, &mut cached, sink)?;
+        if let Some(turn_rad) = areas.seam_rad.take() {
+            self.turns.learn(turn_rad);
+        }
+        areas.bridge((columns as u32 / 4).max(16), sink)?;
+        areas.settle([slots, carried]);
+
+        // what the next row sees above it
+        for word in 0..words(columns) {
+            let (here, a0, a1) = (at(returns, word), at(ages0, word), at(ages1, word));
+            let missing = !here;
+            let old = missing & a0 & a1;
+            put(ages0, word, missing & !a0 | old);
+            put(ages1, word, missing & (a0 ^ a1) | old);
+            let from = word * CHUNK;
+            let width = CHUNK.min(columns - from);
+            let new = part(slots, from..from + width);
+            for (i, (to, &slot)) in part_mut(carried, from..from + width).iter_mut().zip(new).enumerate() {
+                let keep = missing >> i & 1 == 1;
+                let gone = old >> i & 1 == 1;
+                *to = if !keep {
+                    slot
+                } else if gone {
+                    NONE
+                } else {
+                    *to
+                };
+            }
+        }
+        for run in equal_runs(carried) {
+            let slot = at(carried, run.start);
+            if slot < FULL {
+                areas.carry(slot);
+            }
+        }
+        areas.close(false, sink)?;
+        let (slots, table) = (RowSlots::Pixels(slots), areas.table());
         sink.row(&LabelRow { row: beam.row, columns, returns, slots, table })?;
         ControlFlow::Continue(unlabelled)
     }
 }
 
-/// Cuts the pixels that follow no plane into lines, and gives each to an area of the row above or
-/// to a new one. Returns the pixels of lines that found the table of areas full. `cuts` is scratch,
-/// one element per column.
-fn take_lines(
-    surfaces: &mut Surfaces,
-    row: &Scanline,
-    above: &[u16],
-    slots: &mut [u16],
-    free: &[u32],
-    cuts: &mut [u16],
-    noise: &Noise,
-) -> u32 {
-    let mut unlabelled = 0;
-    let mut points = RowPoints::new(row.fan, row.frame, row.ranges_m);
-    let (mut lanes, mut at_chunk) = (Lanes::EMPTY, usize::MAX);
-    for run in runs(free, slots.len()) {
-        let place = |column: usize| {
-            if at_chunk != column / CHUNK {
-                at_chunk = column / CHUNK;
-                row.lanes(at_chunk * CHUNK, &mut lanes);
-            }
-            let (i, range_m) = (column % CHUNK, lanes.range_m[column % CHUNK]);
-            [range_m * lanes.cos[i], range_m * lanes.sin[i]]
-        };
-        let (range_m2, rules) = (noise.range_m2 as f32, surfaces.rules);
-        lines(run, range_m2, rules, cuts, place, |found| {
-            let moments = points.moments(found.columns.clone());
-            let slot = area_for(surfaces, above, &found.columns, &moments, f64::from(found.chi_square), noise);
-            part_mut(slots, found.columns.clone()).fill(slot);
-            if slot == FULL {
-                unlabelled += found.columns.len() as u32;
-            }
-        });
+/// The next run of free pixels from a column on, across up to `gap` pixels without a return.
+fn free_run(free: &[u32], returns: &[u32], from: usize, columns: usize, gap: usize) -> Option<Range<usize>> {
+    let mut runs = crate::row::bits::runs(free, columns).from(from);
+    let mut run = runs.next()?;
+    for next in runs {
+        let missing = |c: usize| at(returns, c / CHUNK) >> (c % CHUNK) & 1 == 0;
+        if next.start - run.end > gap || !(run.end..next.start).all(missing) {
+            break;
+        }
+        run.end = next.end;
     }
-    unlabelled
+    Some(run)
 }

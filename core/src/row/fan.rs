@@ -55,6 +55,11 @@ impl<'a> Fan<'a> {
         Ok(Fan { beams, start: cos_sin(start_rad), steps, base: (base.map(|b| b.0), base.map(|b| b.1)) })
     }
 
+    /// Whether rows are rings.
+    pub fn spins(&self) -> bool {
+        matches!(self.beams, Beams::Spinning { .. })
+    }
+
     /// Whether the last column neighbours the first.
     pub fn wraps(&self) -> bool {
         matches!(self.beams, Beams::Spinning { wraps: true, .. })
