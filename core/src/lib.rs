@@ -1,6 +1,6 @@
 //! Range-image segmentation that runs while the scanner is still scanning: the method of *Fast
 //! range image segmentation for indoor 3D-SLAM* (Harati, Gaechter, Siegwart 2006), one scan row at
-//! a time, in fixed memory and linear time.
+//! a time, in fixed memory.
 //!
 //! There are three approaches. They are used alike, by the trait [`Segmenter`]:
 //!

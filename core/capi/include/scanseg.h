@@ -593,7 +593,8 @@ size_t scanseg_state_align(void);
  * matter. The memory stays the caller's, who leaves it alone until done with the segmenter.
  *
  * @param size bytes of `memory`; see `scanseg_state_size`.
- * @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is an error.
+ * @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is
+ *        an error.
  * @return `SCANSEG_OK`, or what is wrong.
  */
 scanseg_status scanseg_init(void *memory,
@@ -602,15 +603,19 @@ scanseg_status scanseg_init(void *memory,
                             struct scanseg_segmenter **segmenter);
 
 /**
- * Takes the next row. Work is linear in the columns.
+ * Takes the next row. Work is linear in the columns, but for `SCANSEG_PLANE` where many areas
+ * begin.
  *
- * @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive ranges, and those outside of
- *        the configured limits, are pixels without a return.
+ * @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive
+ *        ranges, and those outside of the configured limits, are pixels without a return.
  * @param columns elements of `ranges_m`; must be the columns of the image.
- * @param turn_rad the row's turn (nodding) or elevation (spinning), radians; a camera does not use it.
- * @param output is given the labels of this row (`SCANSEG_EDGE`: of the row `SCANSEG_LATENCY_ROWS` earlier, if there is
- *        one), and the joins and segments that it brings. After an error it is as it was.
- * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the row was not taken.
+ * @param turn_rad the row's turn (nodding) or elevation (spinning), radians; a camera does not use
+ *        it.
+ * @param output is given the labels of this row (`SCANSEG_EDGE`: of the row `SCANSEG_LATENCY_ROWS`
+ *        earlier, if there is one), and the joins and segments that it brings. After an error it
+ *        is as it was.
+ * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the row was
+ *        not taken.
  */
 scanseg_status scanseg_push_row(struct scanseg_segmenter *segmenter,
                                 const float *ranges_m,
@@ -623,7 +628,8 @@ scanseg_status scanseg_push_row(struct scanseg_segmenter *segmenter,
  * `SCANSEG_LATENCY_ROWS` rows) and completes all segments. Before the next scan the segmenter is
  * to be reset.
  *
- * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes on.
+ * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes
+ *        on.
  */
 scanseg_status scanseg_finish(struct scanseg_segmenter *segmenter, struct scanseg_output *output);
 

@@ -136,7 +136,8 @@ pub extern "C" fn scanseg_state_align() -> usize {
 /// matter. The memory stays the caller's, who leaves it alone until done with the segmenter.
 ///
 /// @param size bytes of `memory`; see `scanseg_state_size`.
-/// @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is an error.
+/// @param segmenter is set to the segmenter, which is at the start of `memory`; to NULL if there is
+///        an error.
 /// @return `SCANSEG_OK`, or what is wrong.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn scanseg_init(
@@ -159,15 +160,19 @@ pub unsafe extern "C" fn scanseg_init(
     status(made.map(|_| ()))
 }
 
-/// Takes the next row. Work is linear in the columns.
+/// Takes the next row. Work is linear in the columns, but for `SCANSEG_PLANE` where many areas
+/// begin.
 ///
-/// @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive ranges, and those outside of
-///        the configured limits, are pixels without a return.
+/// @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive
+///        ranges, and those outside of the configured limits, are pixels without a return.
 /// @param columns elements of `ranges_m`; must be the columns of the image.
-/// @param turn_rad the row's turn (nodding) or elevation (spinning), radians; a camera does not use it.
-/// @param output is given the labels of this row (`SCANSEG_EDGE`: of the row `SCANSEG_LATENCY_ROWS` earlier, if there is
-///        one), and the joins and segments that it brings. After an error it is as it was.
-/// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the row was not taken.
+/// @param turn_rad the row's turn (nodding) or elevation (spinning), radians; a camera does not use
+///        it.
+/// @param output is given the labels of this row (`SCANSEG_EDGE`: of the row `SCANSEG_LATENCY_ROWS`
+///        earlier, if there is one), and the joins and segments that it brings. After an error it
+///        is as it was.
+/// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the row was
+///        not taken.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn scanseg_push_row(
     segmenter: *mut State,
@@ -198,7 +203,8 @@ pub unsafe extern "C" fn scanseg_push_row(
 /// `SCANSEG_LATENCY_ROWS` rows) and completes all segments. Before the next scan the segmenter is
 /// to be reset.
 ///
-/// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes on.
+/// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED`, or an error: then the scan goes
+///        on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn scanseg_finish(segmenter: *mut State, output: *mut Output) -> Status {
     let finish = || {

@@ -154,8 +154,8 @@ pub(crate) fn find_lines(
     seam && is_set(lines, 0) && is_set(lines, last)
 }
 
-/// Packed: the pixels where the chords to the neighbouring pixels turn. Returns whether some of these
-/// chords are too short.
+/// Packed: the pixels where the chords to the neighbouring pixels turn. Returns whether some of
+/// these chords are too short.
 fn turn_bits(thresholds: &TurnThresholds, row: &Points, doublings: &mut [u16], turns: &mut [u32]) -> bool {
     let (columns, wraps) = (row.columns(), row.wraps);
     let mut longer = 0;
