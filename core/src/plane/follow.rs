@@ -44,11 +44,11 @@ pub(crate) fn follow(
     slots: &mut [u16],
 ) {
     let Followed { returns, free, was_left, was_on } = bits;
-    let rules = surfaces.rules;
+    let &Rules { off_plane, left_price, leave_price, .. } = surfaces.rules;
     let columns = above.len();
     let mut lanes = Lanes::EMPTY;
     // how much better the best way to be on a plane is than the best way to have left
-    let mut ahead = rules.leave_price;
+    let mut ahead = leave_price;
     for (word, from) in (0..columns).step_by(CHUNK).enumerate() {
         line.lanes(from, &mut lanes);
         let best = Best::of_chunk(line, &lanes, from, above, surfaces, noise);
@@ -56,18 +56,18 @@ pub(crate) fn follow(
         let some = lanes.range_m.map(|range_m| range_m > 0.0);
         for i in 0..CHUNK {
             let error = best.errors[i];
-            near[i] = (error < rules.off_plane) & some[i];
-            let price = if (error < rules.off_plane) | (error == FAR) { error } else { rules.off_plane };
-            gains[i] = if some[i] { rules.left_price - price } else { 0.0 };
+            near[i] = (error < off_plane) & some[i];
+            let price = if (error < off_plane) | (error == FAR) { error } else { off_plane };
+            gains[i] = if some[i] { left_price - price } else { 0.0 };
         }
         let width = CHUNK.min(columns - from);
         for i in 0..width {
             aheads[i] = ahead;
             let least = if ahead > 0.0 { ahead } else { 0.0 };
-            ahead = gains[i] + if least < rules.leave_price { least } else { rules.leave_price };
+            ahead = gains[i] + if least < leave_price { least } else { leave_price };
         }
         put(was_left, word, pack(&aheads.map(|ahead| ahead < 0.0)));
-        put(was_on, word, pack(&aheads.map(|ahead| ahead > rules.leave_price)));
+        put(was_on, word, pack(&aheads.map(|ahead| ahead > leave_price)));
         let returned = pack(&some);
         put(returns, word, returned);
         put(free, word, returned & !pack(&near));
@@ -159,10 +159,11 @@ impl Best {
         noise: &RowNoise,
         rules: &Rules,
     ) {
+        let &Rules { max_tan_square, beam_rad2, most_turn, .. } = rules;
         let [a, b, k, turned] = line.along(plane);
         let a_now = a + noise.turn_rad * turned;
         let steep = dot(plane, plane);
-        let (range_m2, turn_rad2, most_m2) = (noise.range_m2, noise.turn_rad2, rules.most_turn * noise.range_m2);
+        let (range_m2, turn_rad2, most_m2) = (noise.range_m2, noise.turn_rad2, most_turn * noise.range_m2);
         let least = |a: f32, b: f32| if a < b { a } else { b };
         let errors =
             part_mut(&mut self.errors, pixels.clone()).iter_mut().zip(part_mut(&mut self.slots, pixels.clone()));
@@ -176,9 +177,8 @@ impl Best {
             let slope = square_m2 * cos * turned;
             // tan(incidence), squared
             let tan_square = square_m2 * steep - 1.0;
-            let tan_square = least(if tan_square > 0.0 { tan_square } else { 0.0 }, rules.max_tan_square);
-            let variance_m2 =
-                range_m2 + least(slope * slope * turn_rad2, most_m2) + square_m2 * tan_square * rules.beam_rad2;
+            let tan_square = least(if tan_square > 0.0 { tan_square } else { 0.0 }, max_tan_square);
+            let variance_m2 = range_m2 + least(slope * slope * turn_rad2, most_m2) + square_m2 * tan_square * beam_rad2;
             let square = error * error / variance_m2;
             let square = if q > 0.05 { square } else { FAR };
             let better = square < *known;

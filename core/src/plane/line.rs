@@ -84,6 +84,7 @@ pub(crate) fn lines(
     mut point: impl FnMut(usize) -> [f32; 2],
     mut found: impl FnMut(Line),
 ) {
+    let &Rules { line_price, lone_price, min_line_pixels, .. } = rules;
     let per_noise = 1.0 / noise_m2;
     let mut cuts = [Cut::default(); CANDIDATE_CUTS];
     let mut kept = 0;
@@ -103,8 +104,7 @@ pub(crate) fn lines(
         let mut best = (f32::MAX, column);
         for (cut, cost) in cuts.iter_mut().zip(&mut costs).take(kept) {
             cut.add(place, range_m);
-            *cost = cut.cost
-                + if cut.pixels == 1 { rules.lone_price } else { rules.line_price + cut.squares_m2 * per_noise };
+            *cost = cut.cost + if cut.pixels == 1 { lone_price } else { line_price + cut.squares_m2 * per_noise };
             if *cost < best.0 {
                 best = (*cost, cut.column);
             }
@@ -113,7 +113,7 @@ pub(crate) fn lines(
         put(from, column, (best.1 - run.start) as u16);
         let (mut left, mut worst) = (0, (f32::MIN, 0));
         for (i, at_cost) in costs.into_iter().enumerate().take(kept) {
-            if at_cost <= cost + rules.line_price {
+            if at_cost <= cost + line_price {
                 if at_cost > worst.0 {
                     worst = (at_cost, left);
                 }
@@ -128,7 +128,7 @@ pub(crate) fn lines(
     let (start, mut end) = (run.start, run.end);
     while end > start {
         let begin = start + usize::from(at(from, end - 1));
-        if end - begin >= rules.min_line_pixels {
+        if end - begin >= min_line_pixels {
             found(Line { columns: begin..end, chi_square: squares_m2(begin..end, &mut point) * per_noise });
         }
         end = begin;

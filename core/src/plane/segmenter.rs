@@ -187,7 +187,8 @@ impl<'a> PlaneSegmenter<'a> {
             turn_rad2: f64::from(self.turns.variance_rad2()),
             axis: self.fan.axis(),
         };
-        let unlabelled = take_lines(&mut self.surfaces, &line, above, slots, free, cuts, &noise);
+        let unlabelled =
+            take_lines(&mut self.surfaces, &line, &mut points, above, slots, Free { pixels: free, cuts }, &noise);
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
@@ -206,22 +207,29 @@ impl<'a> PlaneSegmenter<'a> {
     }
 }
 
+/// The pixels of a row that follow no plane, and where they are cut into lines.
+struct Free<'a> {
+    /// Packed.
+    pixels: &'a [u32],
+    /// Scratch, one element per column.
+    cuts: &'a mut [u16],
+}
+
 /// Cuts the pixels that follow no plane into lines, and gives each to an area of the row above or
-/// to a new one. Returns the pixels of lines that found the table of areas full. `cuts` is scratch,
-/// one element per column.
+/// to a new one. Returns the pixels of lines that found the table of areas full.
 fn take_lines(
     surfaces: &mut Surfaces,
     row: &Scanline,
+    points: &mut RowPoints,
     above: &[u16],
     slots: &mut [u16],
-    free: &[u32],
-    cuts: &mut [u16],
+    free: Free,
     noise: &Noise,
 ) -> u32 {
     let mut unlabelled = 0;
-    let mut points = RowPoints::new(row.fan, row.frame, row.ranges_m);
+    let Free { pixels, cuts } = free;
     let (mut lanes, mut at_chunk) = (Lanes::EMPTY, usize::MAX);
-    for run in runs(free, slots.len()) {
+    for run in runs(pixels, slots.len()) {
         let place = |column: usize| {
             if at_chunk != column / CHUNK {
                 at_chunk = column / CHUNK;

@@ -83,7 +83,7 @@ fn sample(
     range_m2: f32,
     samples: &mut [[f32; 2]],
 ) -> (usize, f32) {
-    let rules = surfaces.rules;
+    let &Rules { turn_rad: expected_rad, turn_points, turn_rows, .. } = surfaces.rules;
     let (mut count, mut weights) = (0, 0.0);
     let mut known = (FULL, None);
     let mut lanes = Lanes::EMPTY;
@@ -94,15 +94,15 @@ fn sample(
             if slot != known.0 {
                 let plane = surfaces.plane(slot).filter(|_| {
                     let (rows, points) = surfaces.size(slot);
-                    rows >= rules.turn_rows && points >= rules.turn_points
+                    rows >= turn_rows && points >= turn_points
                 });
                 known = (slot, plane.map(|plane| line.along(plane)));
             }
             let (range_m, Some([a, b, k, turned])) = (lanes.range_m[i], known.1) else { continue };
             let error = range_m * (range_m * (lanes.cos[i] * a + lanes.sin[i] * b + k) - 1.0);
             let slope = range_m * range_m * lanes.cos[i] * turned;
-            let tells = slope * slope * (rules.turn_rad * rules.turn_rad) >= range_m2;
-            if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * rules.turn_rad) {
+            let tells = slope * slope * (expected_rad * expected_rad) >= range_m2;
+            if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * expected_rad) {
                 put(samples, count, [error, slope]);
                 count += 1;
                 weights += slope.abs();
@@ -114,24 +114,23 @@ fn sample(
 
 /// The turn that the samples tell, if it explains enough of their errors to be believed.
 fn estimate(samples: &mut [[f32; 2]], weights: f32, range_m2: f32, rules: &Rules) -> Option<f32> {
+    let &Rules { turn_rad: expected_rad, turn_off, .. } = rules;
     let median_rad = weighted_median(samples, |[error, slope]| -error / slope, |[_, slope]| slope.abs(), 0.5 * weights);
     let off = |sample: &[f32; 2], turn_rad: f32| {
         let rest = sample[0] + turn_rad * sample[1];
         rest * rest / range_m2
     };
-    let (mut products, mut squares) = (0.0, range_m2 / (rules.turn_rad * rules.turn_rad));
-    for sample in samples.iter().filter(|sample| off(sample, median_rad) < rules.turn_off) {
+    let (mut products, mut squares) = (0.0, range_m2 / (expected_rad * expected_rad));
+    for sample in samples.iter().filter(|sample| off(sample, median_rad) < turn_off) {
         products -= sample[0] * sample[1];
         squares += sample[1] * sample[1];
     }
     let turn_rad = products / squares;
-    let gain: f32 = samples
-        .iter()
-        .map(|sample| off(sample, 0.0).min(rules.turn_off) - off(sample, turn_rad).min(rules.turn_off))
-        .sum();
+    let gain: f32 =
+        samples.iter().map(|sample| off(sample, 0.0).min(turn_off) - off(sample, turn_rad).min(turn_off)).sum();
     let believed = gain > rules.turn_gain
         && gain > rules.turn_gain_per_pixel * samples.len() as f32
-        && turn_rad.abs() < 2.0 * rules.turn_rad;
+        && turn_rad.abs() < 2.0 * expected_rad;
     believed.then_some(turn_rad)
 }
 
