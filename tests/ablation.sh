@@ -19,12 +19,15 @@ line() { # name, then rules that are changed: RULE=NUMBER
 printf '%-44s %20s %20s %13s %s\n' "" "tuning 0/5/10 mm" "validation" "corridor" "synpeb"
 line "the default"
 line "leaving a plane costs nothing" leave_price=0
-line "beams are where they are said to be" beam_rad2=0
-line "only the pixel straight above is followed" reach_columns=0
-line "least noise 0.5 mm instead of 2 mm" least_noise_m=0.0005
-line "lines of three pixels up, not of two" min_line_pixels=3
-line "neighbours do not join" neighbour_rows=65535
+line "beams are where they are said to be" least_beam_rad=0
+line "least noise 0.5 mm instead of 1.5 mm" least_noise_m=0.0005
+line "lines and joins do not go across missing pixels" gap_columns=0
+line "areas are followed however rough they are" rough=1e9
 line "nothing joins across a gap" gap_points=4294967295
+line "pieces join whatever lies between" hidden=0
 line "no join within the noise, by chance only" bent=-1e9
+line "surfaces are as flat as the noise is said to be" uneven=0
 line "large areas that bend do not join" bend_step=0
+line "seams of the servo part areas" seam_rad=0
 line "the turn is what the encoder says" turn_gain=1e9
+line "the noise is what it is said to be" noise_trust=1e9

@@ -66,6 +66,16 @@ impl AnyConfig<'_> {
             AnyConfig::Region(config) => config.sizes(columns),
         }
     }
+
+    /// The memory that images of `columns` columns need with a table of so many areas.
+    #[must_use]
+    pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
+        match self {
+            AnyConfig::Plane(config) => config.sizes_with(columns, areas),
+            AnyConfig::Edge(config) => config.sizes_with(columns, areas),
+            AnyConfig::Region(config) => config.sizes_with(columns, areas),
+        }
+    }
 }
 
 impl From<PlaneConfig> for AnyConfig<'_> {

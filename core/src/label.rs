@@ -24,6 +24,7 @@ use core::ops::{ControlFlow, Range};
 use crate::area::Area;
 use crate::moments::{Moments, exact_points};
 use crate::row::slots::{NONE, RunSlots, ring_place, set_ring_slot};
+use crate::segment::SegmentSums;
 use crate::sink::Sink;
 
 /// Words of the frontier: one more run than live labels, two runs a word.
@@ -155,7 +156,8 @@ impl<'a> Labels<'a> {
             } else {
                 let (moments, exact) = (growth.moments(run.clone()), self.exact_points);
                 if let Some(area) = self.area(slot) {
-                    area.take(&run, &moments, exact);
+                    area.reach(&run);
+                    area.add(&moments, exact);
                 }
             }
             self.push_run(slot);
@@ -220,7 +222,7 @@ impl<'a> Labels<'a> {
         let slot = self.free;
         let Some(area) = self.table.get_mut(usize::from(slot)) else { return NONE };
         self.free = area.label as u16;
-        *area = Area { runs: 1, ..Area::begin(self.next_label, self.row, run.start as u16, slot) };
+        *area = Area { frontier: 1, ..Area::begin(self.next_label, self.row, run.start as u16, slot) };
         self.next_label += 1;
         slot
     }
@@ -233,7 +235,9 @@ impl<'a> Labels<'a> {
         area.link = kept;
         let other = *area;
         let Some(area) = self.area(kept) else { return ControlFlow::Continue(()) };
-        sink.join(area.absorb(&other, exact))
+        let join = area.unite(&other);
+        area.add(&other.moments(), exact);
+        sink.join(join)
     }
 
     /// Drops the frontier's first run: nothing can touch it any more.
@@ -243,8 +247,8 @@ impl<'a> Labels<'a> {
         self.len -= 1;
         let row = self.row;
         let Some(area) = self.area(slot) else { return ControlFlow::Continue(()) };
-        area.runs = area.runs.wrapping_sub(1);
-        if area.runs > 0 {
+        area.frontier = area.frontier.wrapping_sub(1);
+        if area.frontier > 0 {
             return ControlFlow::Continue(());
         }
         let area = *area;
@@ -252,7 +256,8 @@ impl<'a> Labels<'a> {
         if area.link != slot {
             return ControlFlow::Continue(());
         }
-        sink.segment(&area.segment(row.wrapping_sub(1)))
+        let sums = SegmentSums::Moments(area.moments());
+        sink.segment(&area.segment(row.wrapping_sub(1), sums))
     }
 
     /// After a row: every run refers to the root of its area, and slots that were links are free.
@@ -264,9 +269,9 @@ impl<'a> Labels<'a> {
                 self.set_entry(i, root);
                 self.refer(root);
                 let Some(area) = self.area(slot) else { continue };
-                area.runs = area.runs.wrapping_sub(1);
+                area.frontier = area.frontier.wrapping_sub(1);
                 // its link stays readable until the slot is taken again, which no settling does
-                if area.runs == 0 {
+                if area.frontier == 0 {
                     self.release(slot);
                 }
             }
@@ -309,7 +314,7 @@ impl<'a> Labels<'a> {
     /// One more run of the frontier refers to a slot, unless it is [`NONE`].
     fn refer(&mut self, slot: u16) {
         if let Some(area) = self.area(slot) {
-            area.runs += 1;
+            area.frontier += 1;
         }
     }
 

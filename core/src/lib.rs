@@ -17,10 +17,10 @@
 //! ```text
 //! a row of ranges and its turn angle
 //!
-//! plane    turn of the row beyond that angle             plane/turn
-//!          pixels that follow a plane of the row above   plane/follow
+//! plane    noise of the ranges, turn of the row          plane/measure, plane/turn
+//!          pixels that follow a plane of the rows above  plane/follow
 //!          lines in what follows none                    plane/line
-//!          surfaces, joined where they fit               plane/surface, plane/join, plane/fit
+//!          areas, joined where they fit                  plane/areas, plane/join, weighted
 //!
 //! edge     bearing angles along the traces               edge/bearing, edge/beam_angle (section 3)
 //!          roof and step edges, OR                       edge/sobel (section 4)
@@ -67,7 +67,9 @@ mod region;
 mod row;
 mod scan;
 mod segment;
+mod sensors;
 mod sink;
+mod weighted;
 
 pub use any::{AnyConfig, AnySegmenter, Approach};
 pub use area::{Area, live_labels};
@@ -84,8 +86,9 @@ pub use plane::{PlaneConfig, PlaneSegmenter, Rules};
 pub use plane_fit::Plane;
 pub use region::{RegionConfig, RegionSegmenter};
 pub use scan::{Finished, MAX_LATENCY_ROWS, MAX_ROWS, Segmenter, Status};
-pub use segment::{Join, Label, Segment};
+pub use segment::{Join, Label, Segment, SegmentSums};
 pub use sink::{EdgeRow, LabelRow, Pixel, Sink};
+pub use weighted::Fitted;
 
 /// Compiles the example of the README.
 #[cfg(doctest)]

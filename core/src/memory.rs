@@ -15,10 +15,11 @@ pub struct Memory<'a> {
     pub halves: &'a mut [u16],
     /// Words of 32 bits.
     pub words: &'a mut [u32],
-    /// The table of live areas; more than [`live_labels`](crate::live_labels) elements are not
-    /// used, fewer will do for simple images. They are enough for every image by the paper's two
-    /// approaches. The plane approach holds the areas of two rows in it, which noise alone can make
-    /// more of. An area that finds the table full stays without a label, which
+    /// The table of live areas; fewer will do for simple images. By the paper's two approaches
+    /// [`live_labels`](crate::live_labels) elements are enough for every image, and more are not
+    /// used. The plane approach holds the areas of two rows in it, of which noise alone makes up to
+    /// twice as many as there are columns, and keeps those that have ended as long as there is
+    /// room. An area that finds the table full stays without a label, which
     /// [`Status`](crate::Status), [`Finished`](crate::Finished) and
     /// [`Pixel::Unlabelled`](crate::Pixel::Unlabelled) report.
     pub areas: &'a mut [Area],
@@ -60,7 +61,7 @@ pub struct Sizes {
     pub halves: usize,
     /// Of [`Memory::words`].
     pub words: usize,
-    /// Of [`Memory::areas`], for every image to find room.
+    /// Of [`Memory::areas`].
     pub areas: usize,
 }
 
@@ -122,7 +123,7 @@ impl<const N: usize, const H: usize, const W: usize, const A: usize> Buffers<N, 
 /// // on a microcontroller: a `static`
 /// let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
 /// let memory = buffers.memory();
-/// assert!(CONFIG.sizes(181).bytes() <= 12 * 1024);
+/// assert!(CONFIG.sizes(181).bytes() <= 14_000);
 /// ```
 #[macro_export]
 macro_rules! buffers {
@@ -131,9 +132,9 @@ macro_rules! buffers {
     };
     ($columns:expr, $config:expr, $areas:expr) => {
         $crate::Buffers<
-            { $config.sizes($columns).numbers },
-            { $config.sizes($columns).halves },
-            { $config.sizes($columns).words },
+            { $config.sizes_with($columns, $areas).numbers },
+            { $config.sizes_with($columns, $areas).halves },
+            { $config.sizes_with($columns, $areas).words },
             { $areas },
         >
     };

@@ -73,8 +73,9 @@ pub struct Plane {
     pub distance_m: f32,
     /// Root of the mean squared distance of the points from the plane, metres.
     pub rms_m: f32,
-    /// Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and
-    /// m^2. Of rank 3, because the normal stays a unit vector.
+    /// Covariance of (normal x, y, z, distance): symmetric, in rad^2, rad m and m^2. Of rank 3,
+    /// because the normal stays a unit vector. By edges and regions from the residuals; by planes
+    /// see [`Fitted::plane`](crate::Fitted::plane).
     pub covariance: [[f32; 4]; 4],
 }
 

@@ -29,8 +29,8 @@ pub enum Pixel {
 /// Order of the calls for one pushed row: `edges`; then, for the row that is now decided
 /// (edge-based: a few rows earlier), `join` and `segment` as they are found from left to right (by
 /// planes all joins, then all segments, in no order of columns); then `row`. Each row has one
-/// `edges` and one `row`; the end of a scan has only segments left to complete, and edge-based the
-/// last rows.
+/// `edges` and one `row`; the end of a scan has only segments left to complete, by planes after the
+/// last joins, and edge-based the last rows.
 pub trait Sink {
     /// A row of labels. Joins that this row brought about are already applied to it.
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()>;
@@ -41,7 +41,8 @@ pub trait Sink {
         ControlFlow::Continue(())
     }
 
-    /// A segment is complete; see [`Segment`]. Its last row was the one before the row in progress.
+    /// A segment is complete; see [`Segment`]. By edges and regions its last row was
+    /// the one before the row in progress.
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
         let _ = segment;
         ControlFlow::Continue(())

@@ -6,7 +6,7 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use scanseg_capi::*;
 use scanseg_capi_tests::{Session, bad_field, defaults, output, state_size};
-use scanseg_core::{Approach, Element, Join, Pixel, Segment, TurnAxis};
+use scanseg_core::{Approach, Element, Join, Moments, Pixel, Segment, SegmentSums, TurnAxis};
 use scanseg_fuzz::case::{APPROACHES, Case};
 use scanseg_tests::stream::{self, Angles, Rig, Scan};
 use std::ffi::c_void;
@@ -44,6 +44,8 @@ enum Call {
     Elsewhere(u8),
     /// The plane of any numbers.
     Plane([i64; 9], u32),
+    /// The same, as the plane approach has it.
+    PlaneSums([f32; 15], u32, u16),
     /// In memory of another size.
     Init {
         less: u16,
@@ -120,7 +122,7 @@ fn config(case: &Case) -> Config {
 fn set_bits(config: &mut Config, bits: &[(u8, u32)]) {
     for &(field, bits) in bits {
         let number = f32::from_bits(bits);
-        match field % 22 {
+        match field % 30 {
             0 => config.struct_size = bits,
             1 => config.abi_version = bits,
             2 => config.approach = bits,
@@ -142,6 +144,14 @@ fn set_bits(config: &mut Config, bits: &[(u8, u32)]) {
             18 => config.closing = bits,
             19 => config.plane_distance_m = number,
             20 => config.trace_count = bits,
+            21 => config.range_noise_per_m = number,
+            22 => config.range_noise_per_m2 = number,
+            23 => config.range_step_m = number,
+            24 => config.range_step_per_m2 = number,
+            25 => config.noise_correlation_px = number,
+            26 => config.beam_noise_rad = number,
+            27 => config.turn_noise_rad = number,
+            28 => config.flatness_m = number,
             _ => config.traces[bits as usize % 8] = Trace { rows: (bits >> 8) as u8, columns: (bits >> 16) as i8 },
         }
     }
@@ -160,18 +170,27 @@ fn by_core(case: &Case, scan: &Scan) -> (Vec<u32>, Vec<Event>) {
         stream::Event::Join(Join { from, into }) => {
             Some(Event { kind: SCANSEG_JOIN, label: from.0, into: into.0, ..Event::default() })
         }
-        stream::Event::Segment(Segment { label, first_row, last_row, first_column, last_column, moments }) => {
+        stream::Event::Segment(Segment { label, first_row, last_row, first_column, last_column, sums }) => {
+            let (moments, plane_sums) = match sums {
+                SegmentSums::Fitted { fitted, .. } => (Moments::default(), fitted.numbers()),
+                SegmentSums::Moments(moments) => (moments, [0.0; 15]),
+                _ => panic!("sums without a test: {sums:?}"),
+            };
             Some(Event {
                 kind: SCANSEG_SEGMENT,
                 label: label.0,
                 into: 0,
-                pixels: moments.points,
+                pixels: match sums {
+                    SegmentSums::Fitted { pixels, .. } => pixels,
+                    _ => moments.points,
+                },
                 first_row,
                 last_row,
                 first_column,
                 last_column,
                 first_moments: moments.first,
                 second_moments: moments.second,
+                plane_sums,
             })
         }
         _ => None,
@@ -287,6 +306,9 @@ fuzz_target!(|calls: Calls| {
                 let [a, b, c, second @ ..] = moments;
                 plane(&Event { pixels, first_moments: [a, b, c], second_moments: second, ..Event::default() });
             }
+            Call::PlaneSums(plane_sums, pixels, last_row) => {
+                plane(&Event { pixels, plane_sums, last_row, ..Event::default() });
+            }
             Call::Init { less, misaligned } => {
                 let bytes = size - usize::from(less).min(size);
                 let mut block = vec![0_u8; bytes + 16];
@@ -316,7 +338,12 @@ fn plane(event: &Event) {
     // SAFETY: references.
     match unsafe { scanseg_fit_plane(event, &mut fit) } {
         SCANSEG_NO_PLANE => assert_eq!(fit, PlaneFit::default()),
-        status => assert_eq!(status, SCANSEG_OK),
+        status => {
+            assert_eq!(status, SCANSEG_OK);
+            let by_planes = event.plane_sums[0] > 0.0;
+            let covariance = fit.covariance.as_flattened();
+            assert!(!by_planes || covariance.iter().chain(&fit.normal).all(|x| x.is_finite()), "{fit:?}");
+        }
     }
     if event.kind == SCANSEG_SEGMENT && fit != PlaneFit::default() {
         let length = fit.normal.iter().map(|c| c * c).sum::<f32>();

@@ -4,7 +4,9 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
-use scanseg_core::{Finished, Label, LabelRow, MAX_ROWS, Moments, PushError, Segment, Segmenter, Sink, Status};
+use scanseg_core::{
+    Finished, Label, LabelRow, MAX_ROWS, Moments, PushError, Segment, SegmentSums, Segmenter, Sink, Status,
+};
 use scanseg_fuzz::scanner::{Damage, Fill, Piece, settings};
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{Session, Settings, Trouble};
@@ -112,7 +114,7 @@ impl Segmenter for Checker {
             last_row: 0,
             first_column: 0,
             last_column: 0,
-            moments: Moments::default(),
+            sums: SegmentSums::Moments(Moments::default()),
         });
         Ok(Status::Buffered)
     }

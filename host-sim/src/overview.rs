@@ -135,7 +135,7 @@ pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scanseg_formats::{Angles, Depth};
+    use scanseg_formats::{Angles, Depth, Noise};
 
     fn view(kind: Kind) -> (bool, bool, bool) {
         let none = None;
@@ -145,6 +145,7 @@ mod tests {
             min_range_m: none,
             max_range_m: none,
             range_noise_m: none,
+            noise: Noise::NONE,
             kind,
         };
         let View { transpose, flip, mirror } = View::of(&geometry, 20, 30);

@@ -36,7 +36,7 @@ impl Timing {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let config = config.into();
-        let mut memory = OwnedMemory::new(config.sizes(scan.columns), max_labels);
+        let mut memory = OwnedMemory::new(config, scan.columns, max_labels);
         let mut ns_per_point = Vec::new();
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         for round in 0..=rounds.max(1) {

@@ -65,7 +65,7 @@ impl RigSink for Told {
 }
 
 fn rig(config: AnyConfig<'static>) -> Rig<'static, AnySegmenter<'static>> {
-    let memory = Box::leak(Box::new(OwnedMemory::new(config.sizes(COLUMNS), None)));
+    let memory = Box::leak(Box::new(OwnedMemory::new(config, COLUMNS, None)));
     let segmenter = AnySegmenter::new(config, beams(SETTINGS.variant), COLUMNS, memory.memory()).unwrap();
     Rig::new(SETTINGS, LIMITS, segmenter, Vec::leak(vec![0.0; 2 * COLUMNS])).unwrap()
 }

@@ -16,15 +16,13 @@ pub mod bearing;
 pub mod closing;
 pub mod doubt;
 pub mod edges;
-pub mod follow;
 mod image;
 pub mod labels;
 pub mod lines;
-pub mod pieces;
 pub mod planes;
 pub mod regions;
+pub mod row_lines;
 mod settings;
-pub mod surfaces;
 
 pub use image::{Image, Size, Trace};
 pub use settings::Settings;

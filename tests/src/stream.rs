@@ -205,7 +205,7 @@ pub struct Room {
 impl Room {
     /// For images of `columns` columns, with a table of `areas` live labels.
     pub fn new<'a>(columns: usize, config: impl Into<AnyConfig<'a>>, areas: usize) -> Room {
-        Room::of(Sizes { areas, ..config.into().sizes(columns) })
+        Room::of(config.into().sizes_with(columns, areas))
     }
 
     /// As much as this.

@@ -31,7 +31,7 @@
 
 /** The same, with listed columns (`listed` = 1, else 0), so many traces, and the most rows that a trace reaches back. */
 #define SCANSEG_STATE_SIZE_WITH(columns, listed, traces, trace_rows) \
-    ((size_t)1280 + (size_t)(columns) * (45 + 4 * (size_t)(listed) + 4 * (size_t)((traces) > 2 ? (traces) : 2) \
+    ((size_t)1536 + (size_t)(columns) * (66 + 4 * (size_t)(listed) + 4 * (size_t)((traces) > 2 ? (traces) : 2) \
                                          + 4 * (size_t)((trace_rows) > 3 ? (trace_rows) : 3)) \
      + 136 * (size_t)(traces))
 
@@ -155,7 +155,7 @@
  * Counts the incompatible changes of structs and functions. `scanseg_config_init` and
  * `scanseg_init` compare it with the library's.
  */
-#define SCANSEG_ABI_VERSION 1
+#define SCANSEG_ABI_VERSION 2
 
 /**
  * A segmenter, in memory of yours.
@@ -205,8 +205,8 @@ typedef struct scanseg_config {
      */
     uint32_t columns;
     /**
-     * Most live labels; 0 (default): as many as any image needs, columns / 2 + 1. Fewer save 84
-     * bytes each.
+     * Most live labels; 0 (default): as many as any indoor scan needs, and by the paper's two
+     * approaches any image. Fewer save 88 bytes each.
      */
     uint32_t max_labels;
     /**
@@ -254,9 +254,47 @@ typedef struct scanseg_config {
      */
     float cy_px;
     /**
-     * Standard deviation of one range, metres, 0 to 10; default 0.01.
+     * Standard deviation of one range, metres, 0 to 10; default 0.01. `SCANSEG_PLANE` measures the
+     * noise in the scan too, and the larger of both counts; with 0 that measured.
      */
     float range_noise_m;
+    /**
+     * Plane: the standard deviation grows by so much with each metre of the range; 0 to 1, default
+     * 0. Only `SCANSEG_PLANE` uses this and what follows up to `flatness_m`.
+     */
+    float range_noise_per_m;
+    /**
+     * Plane: and by so much with the square of the range, 1 / m; 0 to 1, default 0. Cameras with a
+     * disparity noise of d pixels at baseline B and focal length f have d / (f B).
+     */
+    float range_noise_per_m2;
+    /**
+     * Plane: step between neighbouring counts of a range, metres; 0 to 10, default 0.
+     */
+    float range_step_m;
+    /**
+     * Plane: the same, growing with the square of the range, 1 / m; 0 to 1, default 0.
+     */
+    float range_step_per_m2;
+    /**
+     * Plane: pixels over which errors of ranges are alike, along rows and columns; 1 to 100,
+     * default 1. Depth cameras: 4.
+     */
+    float noise_correlation_px;
+    /**
+     * Plane: standard deviation of the direction of a beam within its row, radians; 0 to 0.1,
+     * default 0.
+     */
+    float beam_noise_rad;
+    /**
+     * Plane: standard deviation of the turn angle of a row, radians; 0 to 0.1, default 0.
+     */
+    float turn_noise_rad;
+    /**
+     * Plane: surfaces are flat to this, one standard deviation across the plane, metres; 0 to 10,
+     * default 0.
+     */
+    float flatness_m;
     /**
      * Nearer ranges are no return, metres, above 0; default 0.05.
      */
@@ -340,14 +378,25 @@ typedef struct scanseg_event {
      */
     uint16_t last_column;
     /**
-     * Segment: sums of x, y, z over its points, in units of 1/4096 m.
+     * Segment of `SCANSEG_EDGE` or `SCANSEG_REGION`: sums of x, y, z over its points, in units of
+     * 1/4096 m. By planes 0.
      */
     int64_t first_moments[3];
     /**
-     * Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
+     * The same: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
      * `scanseg_fit_plane`.
      */
     int64_t second_moments[6];
+    /**
+     * Segment of `SCANSEG_PLANE`: its plane with the sums that it was found from. Else 0.
+     * `scanseg_fit_plane` makes a plane of it with its covariance. With the beam u of a point, a
+     * unit vector, and its weight r^4 / sigma^2 of its range r and the standard deviation of that:
+     * the sum of the weights, less what errors that all pixels of a row share take of it, m^2; the
+     * sum of the weights, m^2; x, y, z of the weighted mean of the beams; xx, yy, zz, xy, xz,
+     * yz of their weighted scatter about it, m^2; x, y, z of the plane m, the points p with p . m =
+     * 1, 1 / m; the sum of the squared range errors in units of the noise.
+     */
+    float plane_sums[15];
 } scanseg_event;
 
 /**
@@ -425,7 +474,8 @@ typedef struct scanseg_output {
  */
 typedef struct scanseg_plane {
     /**
-     * Mean of the points, metres.
+     * Mean of the points, metres. `SCANSEG_PLANE`: the middle of the points as the scanner sees
+     * them, on the plane; far points weigh more.
      */
     float centroid_m[3];
     /**
@@ -441,8 +491,9 @@ typedef struct scanseg_plane {
      */
     float rms_m;
     /**
-     * Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and
-     * m^2. Of rank 3.
+     * Covariance of (normal x, y, z, distance): symmetric, in rad^2, rad m and m^2. Of rank 3. From
+     * the residuals; `SCANSEG_PLANE`: from the noise that the ranges are said or found to have, and
+     * from the residuals where these are larger.
      */
     float covariance[4][4];
 } scanseg_plane;
@@ -639,8 +690,9 @@ scanseg_status scanseg_finish(struct scanseg_segmenter *segmenter, struct scanse
 scanseg_status scanseg_reset(struct scanseg_segmenter *segmenter);
 
 /**
- * The plane of a segment. Some 2000 operations in double precision: ask for the segments that
- * matter.
+ * The plane of a segment. `SCANSEG_PLANE`: that of least squares of the range errors, some 300
+ * operations in single precision; segments of one row have none. Else: that of total least squares,
+ * some 2000 operations in double precision; ask for the segments that matter.
  *
  * @param segment an event of the kind `SCANSEG_SEGMENT`.
  * @param plane is set to the plane, unless there is none or an error.

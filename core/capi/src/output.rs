@@ -3,7 +3,7 @@
 use core::ffi::c_void;
 use core::ops::ControlFlow;
 
-use scanseg_core::{Join, LabelRow, Moments, Pixel, Segment, Sink};
+use scanseg_core::{Fitted, Join, Label, LabelRow, Moments, Pixel, Plane, Segment, SegmentSums, Sink};
 
 use crate::check::{check_pointer, check_struct};
 use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_NO_PLANE, SCANSEG_OK, Status};
@@ -49,18 +49,28 @@ pub struct Event {
     /// Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last
     /// one.
     pub last_column: u16,
-    /// Segment: sums of x, y, z over its points, in units of 1/4096 m.
+    /// Segment of `SCANSEG_EDGE` or `SCANSEG_REGION`: sums of x, y, z over its points, in units of
+    /// 1/4096 m. By planes 0.
     pub first_moments: [i64; 3],
-    /// Segment: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
+    /// The same: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
     /// `scanseg_fit_plane`.
     pub second_moments: [i64; 6],
+    /// Segment of `SCANSEG_PLANE`: its plane with the sums that it was found from. Else 0.
+    /// `scanseg_fit_plane` makes a plane of it with its covariance. With the beam u of a point, a
+    /// unit vector, and its weight r^4 / sigma^2 of its range r and the standard deviation of that:
+    /// the sum of the weights, less what errors that all pixels of a row share take of it, m^2; the
+    /// sum of the weights, m^2; x, y, z of the weighted mean of the beams; xx, yy, zz, xy, xz,
+    /// yz of their weighted scatter about it, m^2; x, y, z of the plane m, the points p with p . m =
+    /// 1, 1 / m; the sum of the squared range errors in units of the noise.
+    pub plane_sums: [f32; 15],
 }
 
 /// The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneFit {
-    /// Mean of the points, metres.
+    /// Mean of the points, metres. `SCANSEG_PLANE`: the middle of the points as the scanner sees
+    /// them, on the plane; far points weigh more.
     pub centroid_m: [f32; 3],
     /// Unit normal towards the scanner.
     pub normal: [f32; 3],
@@ -68,8 +78,9 @@ pub struct PlaneFit {
     pub distance_m: f32,
     /// Root of the mean squared distance of the points from the plane, metres.
     pub rms_m: f32,
-    /// Covariance of (normal x, y, z, distance), from the residuals: symmetric, in rad^2, rad m and
-    /// m^2. Of rank 3.
+    /// Covariance of (normal x, y, z, distance): symmetric, in rad^2, rad m and m^2. Of rank 3. From
+    /// the residuals; `SCANSEG_PLANE`: from the noise that the ranges are said or found to have, and
+    /// from the residuals where these are larger.
     pub covariance: [[f32; 4]; 4],
 }
 
@@ -204,6 +215,11 @@ impl Sink for Collector {
     }
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
+        let (moments, plane_sums) = match segment.sums {
+            SegmentSums::Moments(moments) => (moments, [0.0; 15]),
+            SegmentSums::Fitted { fitted, .. } => (Moments::default(), fitted.numbers()),
+            _ => (Moments::default(), [0.0; 15]),
+        };
         self.event(&Event {
             kind: SCANSEG_SEGMENT,
             label: segment.label.0,
@@ -213,25 +229,38 @@ impl Sink for Collector {
             last_row: segment.last_row,
             first_column: segment.first_column,
             last_column: segment.last_column,
-            first_moments: segment.moments.first,
-            second_moments: segment.moments.second,
+            first_moments: moments.first,
+            second_moments: moments.second,
+            plane_sums,
         })
     }
 }
 
-/// The plane of an event's moments.
+/// The plane of the sums of an event.
 pub(crate) fn fit_plane(event: &Event) -> Result<PlaneFit, Status> {
     // sums that no segment has
     if event.first_moments.contains(&i64::MIN) {
         return Err(SCANSEG_NO_PLANE);
     }
-    let moments = Moments { points: event.pixels, first: event.first_moments, second: event.second_moments };
-    let plane = moments.plane().ok_or(SCANSEG_NO_PLANE)?;
-    Ok(PlaneFit {
-        centroid_m: moments.centroid_m().unwrap_or_default(),
-        normal: plane.normal,
-        distance_m: plane.distance_m,
-        rms_m: plane.rms_m,
-        covariance: plane.covariance,
-    })
+    let segment = segment_of(event);
+    let Plane { normal, distance_m, rms_m, covariance } = segment.plane().ok_or(SCANSEG_NO_PLANE)?;
+    Ok(PlaneFit { centroid_m: segment.centroid_m(), normal, distance_m, rms_m, covariance })
+}
+
+/// The segment that an event tells of.
+fn segment_of(event: &Event) -> Segment {
+    let sums = if event.plane_sums[0] > 0.0 {
+        SegmentSums::Fitted { pixels: event.pixels, fitted: Fitted::from_numbers(event.plane_sums) }
+    } else {
+        let (first, second) = (event.first_moments, event.second_moments);
+        SegmentSums::Moments(Moments { points: event.pixels, first, second })
+    };
+    Segment {
+        label: Label(event.label),
+        first_row: event.first_row,
+        last_row: event.last_row,
+        first_column: event.first_column,
+        last_column: event.last_column,
+        sums,
+    }
 }

@@ -20,7 +20,7 @@
 
 use scanseg_core::{AnySegmenter, Area, Finished, Memory, PushError, Segmenter, Sink, Sizes, Trace};
 
-use crate::config::Checked;
+use crate::checked::Checked;
 use crate::status::{
     SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_BUSY, SCANSEG_ERROR_CONFIG, SCANSEG_ERROR_MEMORY_SIZE,
     SCANSEG_ERROR_NO_SEGMENTER, SCANSEG_ERROR_NULL, SCANSEG_ERROR_ROW_LENGTH, SCANSEG_ERROR_SCAN_OVER,

@@ -184,6 +184,14 @@ fn bad_fields_are_named() {
     );
     assert_eq!(with(|c| c.beams = SCANSEG_PINHOLE), "fx_px");
     assert_eq!(with(|c| c.range_noise_m = f32::NAN), "range_noise_m");
+    assert_eq!(with(|c| c.range_noise_per_m = -0.1), "range_noise_per_m");
+    assert_eq!(with(|c| c.range_noise_per_m2 = 1.1), "range_noise_per_m2");
+    assert_eq!(with(|c| c.range_step_m = 10.1), "range_step_m");
+    assert_eq!(with(|c| c.range_step_per_m2 = -0.1), "range_step_per_m2");
+    assert_eq!(with(|c| c.noise_correlation_px = 0.5), "noise_correlation_px");
+    assert_eq!(with(|c| c.beam_noise_rad = 0.2), "beam_noise_rad");
+    assert_eq!(with(|c| c.turn_noise_rad = f32::NAN), "turn_noise_rad");
+    assert_eq!(with(|c| c.flatness_m = 11.0), "flatness_m");
     assert_eq!(with(|c| c.min_range_m = 0.0), "min_range_m");
     assert_eq!(with(|c| c.max_range_m = 501.0), "max_range_m");
     assert_eq!(with(|c| c.roof_angle_rad = 0.0), "roof_angle_rad");

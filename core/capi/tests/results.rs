@@ -38,13 +38,24 @@ impl Sink for Collected {
     }
 }
 
-/// The core's own answer, with the paper's settings.
-fn by_core(approach: u32, beams: Beams<'_>, areas: usize, rows: &[Vec<f32>]) -> Collected {
-    let config: AnyConfig = match approach {
-        SCANSEG_PLANE => PlaneConfig::new(Ranging::new(0.01)).into(),
+/// The settings of the core: the paper's, or for planes those of the C configuration.
+fn core_config(config: &Config) -> AnyConfig<'static> {
+    let ranging = Ranging::new(config.range_noise_m)
+        .with_growing_noise(config.range_noise_per_m, config.range_noise_per_m2)
+        .with_steps(config.range_step_m, config.range_step_per_m2)
+        .with_correlation_px(config.noise_correlation_px)
+        .with_beam_noise_rad(config.beam_noise_rad)
+        .with_turn_noise_rad(config.turn_noise_rad)
+        .with_flatness_m(config.flatness_m);
+    match config.approach {
+        SCANSEG_PLANE => PlaneConfig::new(ranging).into(),
         SCANSEG_EDGE => EdgeConfig::paper().into(),
         _ => RegionConfig::paper().into(),
-    };
+    }
+}
+
+/// The core's own answer.
+fn by_core(config: AnyConfig<'_>, beams: Beams<'_>, areas: usize, rows: &[Vec<f32>]) -> Collected {
     let sizes = config.sizes(COLUMNS);
     let (mut numbers, mut halves) = (vec![0.0; sizes.numbers], vec![0; sizes.halves]);
     let (mut words, mut areas) = (vec![0; sizes.words], vec![Area::EMPTY; areas]);
@@ -65,9 +76,12 @@ fn turn_rad(row: usize) -> f32 {
 /// Two scans; gives the labels.
 fn compare(config: &Config, beams: Beams<'_>, noise: f32) -> Vec<u32> {
     let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();
-    let all = scanseg_core::live_labels(COLUMNS);
+    // a state has room for every approach
+    let all = [PlaneConfig::new(Ranging::new(0.01)).into(), EdgeConfig::paper().into(), RegionConfig::paper().into()]
+        .map(|config: AnyConfig<'_>| config.sizes(COLUMNS).areas);
+    let all = all.into_iter().max().unwrap();
     let areas = if config.max_labels == 0 { all } else { config.max_labels as usize };
-    let core = by_core(config.approach, beams, areas, &rows);
+    let core = by_core(core_config(config), beams, areas, &rows);
     let mut session = Session::new(config);
     for scan in 0..if cfg!(miri) { 1 } else { 2 } {
         for (row, ranges_m) in rows.iter().enumerate() {
@@ -115,6 +129,36 @@ fn nodding_as_the_core() {
             compare(&Config { beams, ..nodding(approach) }, Beams::Nodding { columns: EVEN, axis }, 0.01);
         }
     }
+}
+
+/// Each setting of the noise reaches the core, and changes a plane.
+#[test]
+#[cfg_attr(miri, ignore = "slow")]
+fn noise_as_the_core() {
+    let with: [fn(&mut Config); 9] = [
+        |_| (),
+        |c| c.range_noise_per_m = 0.01,
+        |c| c.range_noise_per_m2 = 0.01,
+        |c| c.range_step_m = 0.1,
+        |c| c.range_step_per_m2 = 0.1,
+        |c| c.noise_correlation_px = 2.0,
+        |c| c.beam_noise_rad = 0.02,
+        |c| c.turn_noise_rad = 0.02,
+        |c| c.flatness_m = 0.1,
+    ];
+    let mut seen = std::collections::BTreeSet::new();
+    for change in with {
+        let mut config = nodding(SCANSEG_PLANE);
+        change(&mut config);
+        compare(&config, Beams::Nodding { columns: EVEN, axis: TurnAxis::Y }, 0.02);
+        let mut session = Session::new(&config);
+        for row in 0..ROWS {
+            assert_eq!(session.push(&room_m(row, COLUMNS, 0.02), turn_rad(row)), SCANSEG_OK);
+        }
+        assert_eq!(session.finish(), SCANSEG_OK);
+        seen.insert(format!("{:?} {:?}", session.labels, session.events));
+    }
+    assert_eq!(seen.len(), with.len());
 }
 
 #[test]

@@ -119,6 +119,12 @@ impl<'a> EdgeConfig<'a> {
         }
     }
 
+    /// The memory that images of `columns` columns need with a table of so many areas.
+    #[must_use]
+    pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
+        Sizes { areas, ..self.sizes(columns) }
+    }
+
     /// Range change beyond which a step edge is possible, metres.
     pub(crate) fn step_range_m(&self) -> f32 {
         3.0 * SQRT_2 * self.ranging.range_noise_m

@@ -1,11 +1,10 @@
 //! Settings of the default.
 
-use crate::area::live_labels;
 use crate::config::Ranging;
 use crate::error::ConfigError;
 use crate::memory::Sizes;
 use crate::plane::rules::Rules;
-use crate::plane::surface::{MARKS_LEN, PLANE_LEN};
+use crate::plane::tried::tried_len;
 use crate::plane::turn::scratch_len;
 use crate::row::bits::words;
 
@@ -44,15 +43,23 @@ impl PlaneConfig {
         Self { rules, ..self }
     }
 
-    /// The memory that images of `columns` columns need.
+    /// The memory that images of `columns` columns need on a microcontroller: a table of areas for
+    /// any indoor scan. Noise alone can have more, up to twice the columns:
+    /// [`PlaneConfig::sizes_with`].
     #[must_use]
     pub const fn sizes(&self, columns: usize) -> Sizes {
-        let areas = live_labels(columns);
+        self.sizes_with(columns, columns * 2 / 3 + 1)
+    }
+
+    /// The memory that images of `columns` columns need with a table of so many areas. Twice the
+    /// columns are enough for any image.
+    #[must_use]
+    pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
         Sizes {
-            numbers: PLANE_LEN * areas + scratch_len(columns),
-            // slots of two rows, cuts of a row; marks of the areas
-            halves: 3 * columns + MARKS_LEN * areas,
-            words: BIT_ROWS * words(columns),
+            numbers: scratch_len(columns),
+            // slots of two rows, cuts of a row
+            halves: 3 * columns,
+            words: BIT_ROWS * words(columns) + tried_len(columns),
             areas,
         }
     }
@@ -62,6 +69,6 @@ impl PlaneConfig {
     }
 }
 
-/// Packed rows that the segmenter keeps: returns, pixels that follow no plane, and two rows of
-/// scratch.
-pub(crate) const BIT_ROWS: usize = 4;
+/// Packed rows that the segmenter keeps: rows without a return above each pixel as a number of two
+/// bits, returns, pixels that follow no plane, and two rows of scratch.
+pub(crate) const BIT_ROWS: usize = 6;

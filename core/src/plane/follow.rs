@@ -6,21 +6,26 @@
 //! [`Rules::left_price`], in squared errors in units of the noise; the row is cut so that the sum
 //! is least (Viterbi's recursion with two states, one bit each per pixel). So one pixel that noise
 //! throws off leaves nothing, and a row of small errors to one side does.
+//!
+//! Above a pixel means in the row above, or up to two rows further up where there is no return.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::ops::Range;
 
 use crate::arithmetic::dot;
-use crate::plane::noise::RowNoise;
+use crate::plane::areas::Areas;
 use crate::plane::rules::Rules;
-use crate::plane::scanline::{Lanes, Scanline};
-use crate::plane::surface::Surfaces;
-use crate::row::bits::{CHUNK, pack};
+use crate::plane::scanline::{Along, Lanes, Scanline};
+use crate::plane::work::count;
+use crate::row::bits::{CHUNK, VECTORS, pack_where};
 use crate::row::slots::NONE;
 use crate::row::within::{at, part, part_mut, put};
 
-/// What stands for no plane at all.
+/// Squared error that stands for no plane at all.
 const FAR: f32 = 1e6;
+
+/// A plane that is met farther away than so many times the range is not seen there.
+const MOST_SHARE: f32 = 20.0;
 
 /// Packed rows that [`follow`] fills.
 pub(crate) struct Followed<'a> {
@@ -34,67 +39,149 @@ pub(crate) struct Followed<'a> {
 }
 
 /// Finds for each pixel of a row the slot whose plane it goes on with, or [`NONE`]. `above` are the
-/// slots of the row above.
+/// slots above the row; `turn_rad2` is the variance of its turn that is left after its correction.
 pub(crate) fn follow(
     line: &Scanline,
     above: &[u16],
-    surfaces: &Surfaces,
-    noise: &RowNoise,
+    areas: &Areas,
+    turn_rad2: f32,
     bits: &mut Followed,
     slots: &mut [u16],
 ) {
-    let Followed { returns, free, was_left, was_on } = bits;
-    let &Rules { off_plane, left_price, leave_price, .. } = surfaces.rules;
     let columns = above.len();
-    let mut lanes = Lanes::EMPTY;
+    // copies: read once a row, not once a pixel
+    let Rules { off_plane, left_price, leave_price, .. } = *areas.rules;
+    let prices = Prices { off_plane, left: left_price, leave: leave_price, share: 1.0 / line.alike_px };
+    let (mut lanes, mut best) = (Lanes::EMPTY, Best::NONE);
     // how much better the best way to be on a plane is than the best way to have left
     let mut ahead = leave_price;
     for (word, from) in (0..columns).step_by(CHUNK).enumerate() {
         line.lanes(from, &mut lanes);
-        let best = Best::of_chunk(line, &lanes, from, above, surfaces, noise);
-        let (mut gains, mut aheads, mut near) = ([0.0; CHUNK], [0.0; CHUNK], [false; CHUNK]);
-        let some = lanes.range_m.map(|range_m| range_m > 0.0);
-        for i in 0..CHUNK {
-            let error = best.errors[i];
-            near[i] = (error < off_plane) & some[i];
-            let price = if (error < off_plane) | (error == FAR) { error } else { off_plane };
-            gains[i] = if some[i] { left_price - price } else { 0.0 };
-        }
         let width = CHUNK.min(columns - from);
-        for i in 0..width {
-            aheads[i] = ahead;
-            let least = if ahead > 0.0 { ahead } else { 0.0 };
-            ahead = gains[i] + if least < leave_price { least } else { leave_price };
-        }
-        put(was_left, word, pack(&aheads.map(|ahead| ahead < 0.0)));
-        put(was_on, word, pack(&aheads.map(|ahead| ahead > leave_price)));
-        let returned = pack(&some);
-        put(returns, word, returned);
-        put(free, word, returned & !pack(&near));
+        best.of_chunk(line, &lanes, from, above, areas, turn_rad2);
+        let chunk = if VECTORS { side_by_side } else { one_by_one };
+        let [was_left, was_on, returned, far] = chunk(&mut ahead, &best.errors, &lanes.range_m, width, &prices);
+        put(bits.was_left, word, was_left);
+        put(bits.was_on, word, was_on);
+        put(bits.returns, word, returned);
+        put(bits.free, word, far);
         for (slot, best) in part_mut(slots, from..from + width).iter_mut().zip(best.slots) {
             *slot = best;
         }
     }
-    leave(ahead >= 0.0, bits, slots);
+    walk_back(ahead >= 0.0, bits, slots);
 }
 
-/// Goes back along the best way through the row, and frees the pixels where it has left. `is_on`:
-/// whether the way ends on a plane.
-fn leave(mut is_on: bool, bits: &mut Followed, slots: &mut [u16]) {
-    let Followed { returns, free, was_left, was_on } = bits;
+/// What it costs to leave.
+struct Prices {
+    /// Squared error beyond which a pixel has left.
+    off_plane: f32,
+    /// Of each pixel out there.
+    left: f32,
+    /// Of leaving.
+    leave: f32,
+    /// Pixels that are alike count as one.
+    share: f32,
+}
+
+impl Prices {
+    /// What a return gains by being on a plane at this squared error.
+    #[inline(always)]
+    fn gain(&self, error: f32) -> f32 {
+        let price = if (error < self.off_plane) | (error == FAR) { error } else { self.off_plane };
+        (self.left - price) * self.share
+    }
+
+    /// How much being on a plane is ahead behind a pixel, by what it gains and how much it was
+    /// ahead before it.
+    #[inline(always)]
+    fn ahead(&self, before: f32, gain: f32) -> f32 {
+        let least = if before > 0.0 { before } else { 0.0 };
+        gain + if least < self.leave { least } else { self.leave }
+    }
+}
+
+/// The pixels of a chunk: packed, where the best way to have left and to be on a plane comes from;
+/// returns; those of them that are far from all planes. `ahead` goes from before the chunk to
+/// behind it.
+fn side_by_side(
+    ahead: &mut f32,
+    errors: &[f32; CHUNK],
+    range_m: &[f32; CHUNK],
+    width: usize,
+    prices: &Prices,
+) -> [u32; 4] {
+    let mut gains = [0.0; CHUNK];
+    for i in 0..CHUNK {
+        gains[i] = if range_m[i] > 0.0 { prices.gain(errors[i]) } else { 0.0 };
+    }
+    let aheads = aheads(ahead, &gains, width, prices);
+    let returned = pack_where(|i| range_m[i] > 0.0);
+    let near = pack_where(|i| errors[i] < prices.off_plane);
+    [pack_where(|i| aheads[i] < 0.0), pack_where(|i| aheads[i] > prices.leave), returned, returned & !near]
+}
+
+/// The same, pixel after pixel: for targets that work on one number at a time.
+fn one_by_one(
+    ahead: &mut f32,
+    errors: &[f32; CHUNK],
+    range_m: &[f32; CHUNK],
+    width: usize,
+    prices: &Prices,
+) -> [u32; 4] {
+    let ([mut was_left, mut was_on, mut returned, mut far], mut bit) = ([0; 4], 1u32);
+    for (&error, &range_m) in errors.iter().zip(range_m).take(width) {
+        was_left |= if *ahead < 0.0 { bit } else { 0 };
+        was_on |= if *ahead > prices.leave { bit } else { 0 };
+        let mut gain = 0.0;
+        if range_m > 0.0 {
+            returned |= bit;
+            far |= if error < prices.off_plane { 0 } else { bit };
+            gain = prices.gain(error);
+        }
+        *ahead = prices.ahead(*ahead, gain);
+        bit <<= 1;
+    }
+    [was_left, was_on, returned, far]
+}
+
+/// Of each pixel of a chunk how much being on a plane is ahead before it.
+fn aheads(ahead: &mut f32, gains: &[f32; CHUNK], width: usize, prices: &Prices) -> [f32; CHUNK] {
+    let (leave, mut aheads) = (prices.leave, [0.0; CHUNK]);
+    if width == CHUNK
+        && *ahead >= leave
+        && gains.iter().fold(0.0, |least, &gain| if gain < least { gain } else { least }) == 0.0
+    {
+        // nothing leaves here
+        aheads[0] = *ahead;
+        for i in 1..CHUNK {
+            aheads[i] = gains[i - 1] + leave;
+        }
+        *ahead = gains[CHUNK - 1] + leave;
+        return aheads;
+    }
+    for (before, &gain) in aheads.iter_mut().zip(gains).take(width) {
+        *before = *ahead;
+        *ahead = prices.ahead(*ahead, gain);
+    }
+    aheads
+}
+
+/// From the end of the row back along the best way: what has left is free, and of no slot.
+fn walk_back(mut is_on: bool, bits: &mut Followed, slots: &mut [u16]) {
     for (word, slots) in slots.chunks_mut(CHUNK).enumerate().rev() {
         let mut on_bits = u32::MAX;
-        let (was_left, was_on, returned) = (at(was_left, word), at(was_on, word), at(returns, word));
+        let (was_left, was_on, returned) = (at(bits.was_left, word), at(bits.was_on, word), at(bits.returns, word));
         if !is_on || was_left != 0 {
             for i in (0..slots.len()).rev() {
                 on_bits &= !(u32::from(!is_on) << i);
-                let bits = if is_on { was_left } else { was_on };
-                is_on ^= bits >> i & 1 == 1;
+                let from = if is_on { was_left } else { was_on };
+                is_on ^= from >> i & 1 == 1;
             }
         }
-        let freed = at(free, word) | returned & !on_bits;
-        put(free, word, freed);
-        let off = freed | !returned;
+        let free = at(bits.free, word) | returned & !on_bits;
+        put(bits.free, word, free);
+        let off = free | !returned;
         if off != 0 {
             for (i, slot) in slots.iter_mut().enumerate() {
                 *slot = if off >> i & 1 == 1 { NONE } else { *slot };
@@ -111,44 +198,39 @@ struct Best {
 }
 
 impl Best {
-    /// Tries the planes above the chunk that starts at column `from` on its pixels.
-    #[inline(always)]
-    fn of_chunk(
-        line: &Scanline,
-        lanes: &Lanes,
-        from: usize,
-        above: &[u16],
-        surfaces: &Surfaces,
-        noise: &RowNoise,
-    ) -> Best {
-        let (columns, reach) = (above.len(), surfaces.rules.reach_columns);
+    const NONE: Best = Best { errors: [FAR; CHUNK], slots: [NONE; CHUNK] };
+
+    /// Of the planes of the neighbours above.
+    fn of_chunk(&mut self, line: &Scanline, lanes: &Lanes, from: usize, above: &[u16], areas: &Areas, turn_rad2: f32) {
+        let columns = above.len();
+        self.errors.fill(FAR);
+        self.slots.fill(NONE);
         let width = CHUNK.min(columns - from);
-        let mut best = Best { errors: [FAR; CHUNK], slots: [NONE; CHUNK] };
-        let mut one = |slot: u16, start: usize, end: usize| {
-            if let Some(plane) = surfaces.plane(slot) {
-                best.add(slot, plane, start..end, line, lanes, noise, surfaces.rules);
+        let rules = areas.rules;
+        let mut add = |slot: u16, start: usize, end: usize| {
+            if let Some(plane) = areas.plane(slot) {
+                self.add(slot, plane, start..end, line, lanes, turn_rad2, rules);
             }
         };
         if line.wraps && from == 0 {
-            one(at(above, columns - 1), 0, 1);
+            add(at(above, columns - 1), 0, 1);
         }
         let mut start = from.saturating_sub(1);
         let end = columns.min(from + CHUNK + 1);
         while start < end {
             let slot = at(above, start);
             let stop = start + part(above, start..end).iter().take_while(|&&s| s == slot).count();
-            one(slot, start.saturating_sub(reach).max(from) - from, (stop + reach).min(from + width) - from);
+            add(slot, start.saturating_sub(1).max(from) - from, (stop + 1).min(from + width) - from);
             start = stop;
         }
         if line.wraps && from + CHUNK >= columns {
-            one(at(above, 0), width - 1, width);
+            add(at(above, 0), width - 1, width);
         }
-        best
     }
 
     /// Tries a plane on some pixels.
     #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "what the innermost loop reads")]
+    #[allow(clippy::too_many_arguments)]
     fn add(
         &mut self,
         slot: u16,
@@ -156,31 +238,40 @@ impl Best {
         pixels: Range<usize>,
         line: &Scanline,
         lanes: &Lanes,
-        noise: &RowNoise,
+        turn_rad2: f32,
         rules: &Rules,
     ) {
-        let &Rules { max_tan_square, beam_rad2, most_turn, .. } = rules;
-        let [a, b, k, turned] = line.along(plane);
-        let a_now = a + noise.turn_rad * turned;
+        count(pixels.len());
+        let Along { a, b, k, turned } = line.along(plane);
+        let a_now = a + line.turned_rad * turned;
+        let (variance, spread) = (line.variance, line.spread);
         let steep = dot(plane, plane);
-        let (range_m2, turn_rad2, most_m2) = (noise.range_m2, noise.turn_rad2, most_turn * noise.range_m2);
+        let most_turn = rules.most_turn;
+        let (turn_rad2, ring_m2) = if line.fan.spins() { (0.0, turn_rad2) } else { (turn_rad2, 0.0) };
+        let offset_m = line.offset_m;
         let least = |a: f32, b: f32| if a < b { a } else { b };
-        let errors =
-            part_mut(&mut self.errors, pixels.clone()).iter_mut().zip(part_mut(&mut self.slots, pixels.clone()));
+        let errors = part_mut(&mut self.errors, pixels.clone());
+        let slots = part_mut(&mut self.slots, pixels.clone());
         let [range_m, cos, sin] = [&lanes.range_m, &lanes.cos, &lanes.sin].map(|lane| part(lane, pixels.clone()));
         let beams = range_m.iter().zip(cos).zip(sin);
-        for ((known, best), ((&range_m, &cos), &sin)) in errors.zip(beams) {
+        for ((known, best), ((&range_m, &cos), &sin)) in errors.iter_mut().zip(slots).zip(beams) {
             // p . m, and how the range error changes with the turn angle
+            let range_m = range_m - offset_m;
             let q = range_m * (cos * a_now + sin * b + k);
-            let error = range_m * (q - 1.0);
+            let error_m = range_m * (q - 1.0);
             let square_m2 = range_m * range_m;
-            let slope = square_m2 * cos * turned;
             // tan(incidence), squared
-            let tan_square = square_m2 * steep - 1.0;
-            let tan_square = least(if tan_square > 0.0 { tan_square } else { 0.0 }, max_tan_square);
-            let variance_m2 = range_m2 + least(slope * slope * turn_rad2, most_m2) + square_m2 * tan_square * beam_rad2;
-            let square = error * error / variance_m2;
-            let square = if q > 0.05 { square } else { FAR };
+            let tan_square = spread.tan_square(square_m2 * steep - 1.0);
+            let range_m2 = variance.at(range_m) + ring_m2;
+            let of_turn_m2 = if VECTORS || turn_rad2 > 0.0 {
+                let slope = square_m2 * cos * turned;
+                least(slope * slope * turn_rad2, most_turn * range_m2)
+            } else {
+                0.0
+            };
+            let variance_m2 = range_m2 + of_turn_m2 + spread.at(square_m2, tan_square);
+            let square = error_m * error_m / variance_m2;
+            let square = if q > 1.0 / MOST_SHARE { square } else { FAR };
             let better = square < *known;
             *known = if better { square } else { *known };
             *best = if better { slot } else { *best };

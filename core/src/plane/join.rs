@@ -1,252 +1,187 @@
-//! Which areas are one surface: lines join areas, neighbours join, pieces join across gaps, bent
-//! surfaces join.
+//! Which lines and areas are one surface.
 //!
-//! Two areas, or a line and an area, are one surface if their common plane fits both within the
-//! noise ([`Fit`]):
-//!
-//! - the squares that a common plane adds to those of the two planes are no more than chance
-//!   brings, or
-//! - each of the two lies so near to the common plane that noise alone would explain it. That is
-//!   what scanners need that have less noise than they are said to have, but bend their ranges.
-//!
-//! Pieces of a surface need not touch: what is hidden in between does not matter.
+//! A common plane adds squares to those that each has of its own plane. Lines and areas join where
+//! it adds no more than chance, unevenness and the turn of the rows explain.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::ops::{ControlFlow, Range};
 
 use crate::arithmetic::dot;
-use crate::moments::Moments;
-use crate::plane::fit::{Fit, mean_square_range_m2};
-use crate::plane::noise::Noise;
-use crate::plane::rules::{REMEMBERED_PAIRS, TRIED_AREAS};
-use crate::plane::scanline::Scanline;
-use crate::plane::surface::{FREE, FULL, LIVE, Surfaces};
-use crate::row::bits::{CHUNK, load, mask, pack};
+use crate::plane::areas::{Areas, FULL};
+use crate::plane::noise::Variance;
+use crate::plane::rules::TRIED_AREAS;
+use crate::plane::tried::Grown;
 use crate::row::slots::{NONE, equal_runs};
-use crate::row::within::{at, part, put};
+use crate::row::within::{at, part};
 use crate::sink::Sink;
+use crate::weighted::fitted::Fitted;
+use crate::weighted::sums::{Sums, cross};
 
-impl Surfaces<'_> {
-    /// How badly a line fits an area; `None` if it does not. `chi_square` is the line's own.
-    pub fn takes(&self, slot: u16, line: &Moments, chi_square: f64, noise: &Noise) -> Option<f64> {
-        let area = self.get(slot).moments();
-        let mut both = area;
-        both.merge(line);
-        let fit = Fit::of(&both)?;
-        let points = f64::from(line.points);
-        let added = (fit.relative_squares - self.relative_squares(slot)) * mean_square_range_m2(line) / noise.range_m2;
-        let slack = self.rules.uneven * f64::from(area.points).min(4.0 * points)
-            + noise.wobble(&fit, line, self.rules) * points;
-        (added < points.max(chi_square + self.rules.chance) + slack).then_some(added - chi_square)
+/// A line whose range is so many times that of an area does not belong to it, nor the other way
+/// round.
+const MOST_RATIO: f32 = 1.5;
+
+impl Areas<'_> {
+    /// Squares for each point that the turn angle explains, on a plane m.
+    fn wobble(&self, sums: &Sums, m: [f32; 3], points: f32) -> f32 {
+        if self.turn_rad2 == 0.0 {
+            return 0.0;
+        }
+        let slope = dot(cross(self.axis, sums.c), m);
+        let square = self.rules.wobble * slope * slope * self.turn_rad2 * sums.w / points;
+        if square < self.rules.most_wobble { square } else { self.rules.most_wobble }
     }
 
-    /// Whether two areas are one surface; then its plane.
-    fn common(&self, one: u16, other: u16, noise: &Noise) -> Option<Fit> {
-        let parts = [one, other].map(|slot| (self.get(slot).moments(), self.relative_squares(slot)));
-        let mut both = parts[0].0;
-        both.merge(&parts[1].0);
-        let fit = Fit::of(&both)?;
-        let small = if parts[0].0.points < parts[1].0.points { &parts[0].0 } else { &parts[1].0 };
-        let per_noise = |part: &Moments| mean_square_range_m2(part) / noise.range_m2;
-        let added = (fit.relative_squares - parts[0].1 - parts[1].1) * per_noise(small);
-        let by_chance = added
-            < self.rules.chance + (self.rules.uneven + noise.wobble(&fit, small, self.rules)) * f64::from(small.points);
-        let near = |part: &Moments| {
-            fit.relative_squares_of(part) * per_noise(part)
-                < (1.0 + self.rules.bent + noise.wobble(&fit, part, self.rules)) * f64::from(part.points)
-        };
-        (by_chance || parts.iter().all(|(part, _)| near(part))).then_some(fit)
+    /// How badly a line fits an area, and the common plane; `None` if it does not fit.
+    fn takes(&self, slot: u16, line: &Fitted, points: u32) -> Option<(f32, Fitted)> {
+        // quick, for most of what is no surface: one range is not far from the other
+        let u = line.sums.c;
+        let (one, other) = (dot(u, line.m), dot(u, self.m(slot)));
+        if one > MOST_RATIO * other || other > MOST_RATIO * one {
+            return None;
+        }
+        let common = self.fitted(slot).with(line);
+        let n = points as f32;
+        let badly = common.one + common.other;
+        let wobble = self.wobble(&line.sums, common.fitted.m, n) * n;
+        let few = (self.get(slot).points as f32).min(4.0 * n);
+        let limit = n.max(line.squares + self.rules.chance) + self.rules.uneven * few + wobble;
+        (badly + line.squares < limit).then_some((badly, common.fitted))
     }
 
-    /// Whether two large areas meet at a small angle, and without a step. `inverse_m` gives the
-    /// inverse of the range at which a plane is seen where they meet.
-    pub fn bends(&self, one: u16, other: u16, noise: &Noise, inverse_m: impl Fn([f32; 3]) -> f32) -> Option<Fit> {
-        let large =
-            |slot: u16| self.size(slot).0 >= self.rules.bend_rows && self.get(slot).points >= self.rules.bend_points;
+    /// The plane of two areas if they are one surface.
+    pub fn common(&self, one: u16, other: u16) -> Option<Fitted> {
+        let rules = self.rules;
+        let [n1, n2] = [one, other].map(|slot| self.get(slot).points as f32);
+        let (one, other) = (self.fitted(one), self.fitted(other));
+        let common = one.with(&other);
+        let wobble1 = self.wobble(&one.sums, common.fitted.m, n1);
+        let wobble2 = self.wobble(&other.sums, common.fitted.m, n2);
+        let (small, wobble) = if n1 < n2 { (n1, wobble1) } else { (n2, wobble2) };
+        let by_chance = common.one + common.other < rules.chance + (rules.uneven + wobble) * small;
+        let near = |squares: f32, n: f32, wobble: f32| squares < (1.0 + rules.bent + wobble) * n;
+        let all = near(one.squares + common.one, n1, wobble1) && near(other.squares + common.other, n2, wobble2);
+        (by_chance || all).then_some(common.fitted)
+    }
+
+    /// The plane of two large areas that meet at a small angle, and without a step at the beam u: the
+    /// scanner bends them.
+    fn bends(&self, one: u16, other: u16, u: [f32; 3], variance: &Variance) -> Option<Fitted> {
+        let rules = self.rules;
+        let large = |slot: u16| self.get(slot).points >= rules.bend_points;
+        if !large(one) || !large(other) {
+            return None;
+        }
         let (a, b) = (self.plane(one)?, self.plane(other)?);
         let (aligned, squares) = (dot(a, b), dot(a, a) * dot(b, b));
-        let (near, far) = (inverse_m(a), inverse_m(b));
-        // 1 / far - 1 / near, without a division
+        let (near, far) = (dot(a, u), dot(b, u));
+        // 10 km
+        if near <= 1e-4 {
+            return None;
+        }
         let step = (near - far) * (near - far);
-        let least = self.rules.bend_step * noise.range_m2 as f32 * near * near * far * far;
-        let bends = large(one)
-            && large(other)
-            && aligned > 0.0
-            && aligned * aligned > self.rules.bend_cos_square * squares
-            && step < least;
-        let mut both = self.get(one).moments();
-        both.merge(&self.get(other).moments());
-        bends.then(|| Fit::of(&both)).flatten()
+        let least = rules.bend_step * variance.at(1.0 / near) * near * near * far * far;
+        let bends = aligned > 0.0 && aligned * aligned > rules.bend_cos_square * squares && step < least;
+        bends.then(|| self.fitted(one).with(&self.fitted(other)).fitted)
     }
 
-    /// Joins two areas if they are one surface.
-    pub fn try_join<S: Sink + ?Sized>(
+    /// The turn between two large areas that are one but for it, radians, and their plane in the
+    /// place of the later one: the servo went on by more or less than was reported.
+    fn seam(&self, one: u16, later: u16) -> Option<(f32, Fitted)> {
+        let rules = self.rules;
+        let large = |slot: u16| {
+            let area = self.get(slot);
+            let wide = area.last_column.saturating_sub(area.first_column) >= rules.seam_columns;
+            wide && self.size(slot).0 >= rules.seam_rows
+        };
+        if self.axis == [0.0; 3] || !large(one) || !large(later) {
+            return None;
+        }
+        let small = self.get(one).points.min(self.get(later).points) as f32;
+        let (one, later) = (self.fitted(one), self.fitted(later));
+        let (turn_rad, common, added) = one.with_off(&later, cross(self.axis, later.m));
+        let explained = turn_rad.abs() < rules.seam_rad && added < rules.chance + rules.seam_uneven * small;
+        explained.then_some((turn_rad, common))
+    }
+
+    /// Joins two neighbours that have a plane each, if they are one surface; u is the beam where
+    /// they meet, `other` the earlier one.
+    pub fn join_neighbour<S: Sink + ?Sized>(
         &mut self,
         one: u16,
         other: u16,
-        noise: &Noise,
+        u: [f32; 3],
+        variance: &Variance,
         sink: &mut S,
-    ) -> ControlFlow<(), bool> {
-        let Some(fit) = self.common(one, other, noise) else { return ControlFlow::Continue(false) };
-        self.join(one, other, &fit, sink)?;
-        ControlFlow::Continue(true)
-    }
-
-    /// Joins areas of this row to all others on the same plane, each time that they have twice the
-    /// points.
-    pub fn bridge<S: Sink + ?Sized>(&mut self, noise: &Noise, sink: &mut S) -> ControlFlow<()> {
-        let slots = self.table().len() as u16;
-        for slot in 0..slots {
-            let (state, points) = (self.state(slot), self.get(slot).points);
-            let due = state >= LIVE
-                && self.is_root(slot)
-                && self.last_row(slot) == self.row
-                && self.get(slot).first_row < self.row
-                && points >= self.rules.gap_points
-                && LIVE + log2(points) > state;
-            if !due {
-                continue;
-            }
-            self.set_state(slot, LIVE + log2(points));
-            let mut slot = slot;
-            for other in 0..slots {
-                let candidate = self.state(other) != FREE
-                    && other != slot
-                    && self.is_root(other)
-                    && self.get(other).points >= self.rules.gap_points;
-                if candidate && self.try_join(slot, other, noise, sink)? {
-                    slot = self.root(slot);
-                }
-            }
+    ) -> ControlFlow<()> {
+        let common = self.common(one, other).or_else(|| self.bends(one, other, u, variance));
+        let common = common.or_else(|| {
+            let (turn_rad, common) = self.seam(other, one)?;
+            self.seam_rad = Some(turn_rad);
+            Some(common)
+        });
+        if let Some(common) = common {
+            self.join(one, other, &common, sink)?;
         }
         ControlFlow::Continue(())
     }
+
+    /// Whether a pair has grown since it was tried last; it is tried now.
+    pub fn is_due(&mut self, one: u16, other: u16) -> bool {
+        let [one, other] = [one, other].map(|slot| {
+            let area = self.get(slot);
+            Grown { slot, label: area.label, points: area.points }
+        });
+        self.tried.is_due(one, other)
+    }
+
+    /// The area that a line belongs to: of those above it the one that it fits best for each pixel
+    /// that touches, or a new one; [`FULL`] if there is no room.
+    pub fn area_for(&mut self, above: &[u16], run: &Range<usize>, line: &Fitted, points: u32) -> u16 {
+        let (touched, count) = touched(above, run);
+        let mut best: (f32, u16, Option<Fitted>) = (f32::MAX, NONE, None);
+        for &(slot, touching) in touched.iter().take(count) {
+            if touching < 2 && run.len() > 3 {
+                continue;
+            }
+            let (rows, size) = self.size(slot);
+            if points == 1 && size > 2 * u32::from(rows) {
+                continue;
+            }
+            if let Some((badly, common)) = self.takes(slot, line, points) {
+                let badly = badly / touching as f32;
+                best = if badly < best.0 { (badly, slot, Some(common)) } else { best };
+            }
+        }
+        match best {
+            (_, slot, Some(common)) => {
+                self.extend(slot, run, &common, points);
+                slot
+            }
+            _ => self.begin(run, line, points),
+        }
+    }
 }
 
-/// The area that a line belongs to: of those above it the one that it fits best for each pixel that
-/// touches, or a new one.
-pub(crate) fn area_for(
-    surfaces: &mut Surfaces,
-    above: &[u16],
-    line: &Range<usize>,
-    moments: &Moments,
-    chi_square: f64,
-    noise: &Noise,
-) -> u16 {
-    let near = line.start.saturating_sub(1)..above.len().min(line.end + 1);
-    let mut tried = [(NONE, 0u32); TRIED_AREAS];
-    let mut count = 0;
-    for run in equal_runs(part(above, near.clone())) {
-        let slot = at(above, near.start + run.start);
+/// The first few areas that a run touches from below, each with the pixels that do.
+fn touched(above: &[u16], run: &Range<usize>) -> ([(u16, u32); TRIED_AREAS], usize) {
+    let near = run.start.saturating_sub(1)..above.len().min(run.end + 1);
+    let (mut touched, mut count) = ([(NONE, 0u32); TRIED_AREAS], 0);
+    for same in equal_runs(part(above, near.clone())) {
+        let slot = at(above, near.start + same.start);
         if slot >= FULL {
             continue;
         }
-        match tried.iter_mut().take(count).find(|tried| tried.0 == slot) {
-            Some(known) => known.1 += run.len() as u32,
-            None if count < TRIED_AREAS => {
-                tried[count] = (slot, run.len() as u32);
-                count += 1;
-            }
-            None => {}
-        }
-    }
-    let mut best = (f64::MAX, NONE);
-    for &(slot, touching) in tried.iter().take(count) {
-        if touching < 2 && line.len() > 3 {
-            continue;
-        }
-        if let Some(badly) = surfaces.takes(slot, moments, chi_square, noise) {
-            let badly = badly / f64::from(touching);
-            if badly < best.0 {
-                best = (badly, slot);
-            }
-        }
-    }
-    match best.1 {
-        NONE => surfaces.begin(line, moments, chi_square, noise),
-        slot => {
-            surfaces.extend(slot, line, moments);
-            slot
-        }
-    }
-}
-
-/// Joins areas that are neighbours in this row, or from this row to the one above, and have a
-/// common plane.
-pub(crate) fn join_neighbours<S: Sink + ?Sized>(
-    surfaces: &mut Surfaces,
-    line: &Scanline,
-    above: &[u16],
-    slots: &[u16],
-    noise: &Noise,
-    sink: &mut S,
-) -> ControlFlow<()> {
-    let mut done = [(NONE, NONE); REMEMBERED_PAIRS];
-    let mut next = 0;
-    let columns = slots.len();
-    for from in (0..columns).step_by(CHUNK) {
-        // columns whose neighbour to the right or above is of another area
-        let [here, up, right] =
-            [(slots, from), (above, from), (slots, from + 1)].map(|(row, from)| *load(row, from, &mut [NONE; CHUNK]));
-        let mut differ: [bool; CHUNK] = core::array::from_fn(|i| (here[i] != up[i]) | (here[i] != right[i]));
-        // the neighbour may be in the next chunk, or across the seam
-        put(&mut differ, CHUNK.min(columns - from) - 1, true);
-        let mut bits = pack(&differ) & mask(from / CHUNK, columns);
-        while bits != 0 {
-            let column = from + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let slot = at(slots, column);
-            if slot >= FULL {
-                continue;
-            }
-            let beside = |ahead: usize| match column + ahead {
-                c if c < columns => at(slots, c),
-                c if line.wraps => at(slots, c - columns),
-                _ => NONE,
-            };
-            let right = if beside(1) < FULL { beside(1) } else { beside(2) };
-            for other in [right, at(above, column)] {
-                if other >= FULL || other == slot {
-                    continue;
+        let pixels = same.len() as u32;
+        match touched.iter_mut().take(count).find(|known| known.0 == slot) {
+            Some(known) => known.1 += pixels,
+            None => {
+                if let Some(next) = touched.get_mut(count) {
+                    *next = (slot, pixels);
+                    count += 1;
                 }
-                let pair = (slot.min(other), slot.max(other));
-                if done.contains(&pair) {
-                    continue;
-                }
-                done[next % REMEMBERED_PAIRS] = pair;
-                next += 1;
-                let (one, other) = (surfaces.root(slot), surfaces.root(other));
-                join_pair(surfaces, one, other, line, column, noise, sink)?;
             }
         }
     }
-    ControlFlow::Continue(())
-}
-
-/// Joins two neighbours that meet in a column, if they are one surface.
-fn join_pair<S: Sink + ?Sized>(
-    surfaces: &mut Surfaces,
-    one: u16,
-    other: u16,
-    line: &Scanline,
-    column: usize,
-    noise: &Noise,
-    sink: &mut S,
-) -> ControlFlow<()> {
-    let rows = surfaces.rules.neighbour_rows;
-    if one == other || surfaces.size(one).0 < rows || surfaces.size(other).0 < rows {
-        return ControlFlow::Continue(());
-    }
-    if surfaces.try_join(one, other, noise, sink)? {
-        return ControlFlow::Continue(());
-    }
-    match surfaces.bends(one, other, noise, |plane| line.inverse_m(column, plane)) {
-        Some(fit) => surfaces.join(one, other, &fit, sink),
-        None => ControlFlow::Continue(()),
-    }
-}
-
-/// The logarithm of a number of points, rounded down.
-fn log2(points: u32) -> u16 {
-    points.checked_ilog2().unwrap_or(0) as u16
+    (touched, count)
 }

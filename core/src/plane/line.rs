@@ -1,150 +1,161 @@
-//! Lines in what follows no plane (paper section 4, region-based: each row is first broken into
-//! lines).
+//! Lines in the pixels that follow no plane: the cuts that cost least.
 //!
-//! A run of pixels is cut into lines so that the sum of squared range errors, in units of the
-//! noise, plus a price for each line is least: Bellman's recursion over the last cut. Within a row
-//! 1 / range is linear in the cosine and the sine of the beam on every straight line, whatever its
-//! incidence, so that no bearing angle and no threshold on one is needed.
-//!
-//! Only [`CANDIDATE_CUTS`] last cuts are kept: one that a line from it costs more than the best by
-//! the price of a line can never win again, and of the others the worst goes. Work is linear in the
-//! pixels.
+//! Each line costs the squares that its least squares leave, and a price. The cheapest cuts are
+//! found by Bellman's recursion over the last cut. Only the best few last cuts are kept, side by
+//! side, each with the triangle of the least squares of the line that begins there.
+#![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::ops::Range;
 
+use crate::arithmetic::inverse_sqrt;
 use crate::plane::rules::{CANDIDATE_CUTS, Rules};
+use crate::plane::scanline::{At, Cached, Scanline};
+use crate::plane::work::count;
+use crate::row::bits::VECTORS;
 use crate::row::within::{at, put};
 
-/// A line of a row.
-pub(crate) struct Line {
-    pub columns: Range<usize>,
-    /// Sum of its squared range errors, in units of the noise.
-    pub chi_square: f32,
-}
+/// Cost of a cut that is out.
+const OUT: f32 = 1e30;
 
-/// A last cut: a line that may begin here, with the least squares of its pixels so far.
-#[derive(Clone, Copy, Default)]
-struct Cut {
-    column: usize,
+type PerCut = [f32; CANDIDATE_CUTS];
+
+/// The last cuts that are kept: each a line that may begin there.
+struct Cuts {
+    column: [u32; CANDIDATE_CUTS],
     /// Least cost of what is before.
-    cost: f32,
-    /// First point within the row, and one over its range.
-    x: f32,
-    y: f32,
-    inverse: f32,
-    pixels: u32,
-    /// The range error of a pixel is e - (A a + B b). Its squares d (A + r B - y)^2 + D (B - Y)^2 +
-    /// squares, as d, r, y, D, Y.
-    solved: [f32; 5],
-    /// Those that the best A and B leave, m^2.
-    squares_m2: f32,
+    cost: PerCut,
+    /// The beam of its first pixel, and one over its range.
+    cos: PerCut,
+    sin: PerCut,
+    inverse_m: PerCut,
+    /// The triangle of the solution: sd (A + sr B - sy)^2 + sdd (B - syy)^2 + squares for the line
+    /// that differs by A along and B across from one over the range of the first pixel.
+    solved: [PerCut; 5],
+    squares: PerCut,
 }
 
-impl Cut {
-    fn new(column: usize, cost: f32, [x, y]: [f32; 2]) -> Cut {
-        let inverse = 1.0 / libm::sqrtf(x * x + y * y);
-        Cut { column, cost, x, y, inverse, ..Cut::default() }
+impl Cuts {
+    const NONE: Cuts = Cuts {
+        column: [0; CANDIDATE_CUTS],
+        cost: [OUT; CANDIDATE_CUTS],
+        cos: [1.0; CANDIDATE_CUTS],
+        sin: [0.0; CANDIDATE_CUTS],
+        inverse_m: [0.0; CANDIDATE_CUTS],
+        solved: [[0.0; CANDIDATE_CUTS]; 5],
+        squares: [0.0; CANDIDATE_CUTS],
+    };
+
+    /// Puts a cut before a pixel in the place of the worst one; gives its place.
+    fn begin(&mut self, column: usize, cost: f32, pixel: &At, inverse_m: f32) -> usize {
+        let mut worst = (-1.0, 0);
+        for i in 0..CANDIDATE_CUTS {
+            if !VECTORS && self.cost[i] == OUT {
+                worst.1 = i;
+                break;
+            }
+            let total = self.cost[i] + self.squares[i];
+            if total > worst.0 {
+                worst = (total, i);
+            }
+        }
+        let i = worst.1 % CANDIDATE_CUTS;
+        self.column[i] = column as u32;
+        (self.cost[i], self.cos[i], self.sin[i]) = (cost, pixel.cos, pixel.sin);
+        // beams of a pinhole are no unit vectors within their row
+        self.inverse_m[i] = inverse_m / (pixel.cos * pixel.cos + pixel.sin * pixel.sin);
+        self.squares[i] = 0.0;
+        for solved in &mut self.solved {
+            solved[i] = 0.0;
+        }
+        i
     }
 
-    /// One more pixel of the line. What is solved for is the difference from a circle about the
-    /// scanner: small numbers, but for lines across a step, where sums of products would lose all
-    /// their digits. So the triangle of the solution is kept instead, and turned by each pixel
-    /// (Gentleman 1973, Givens rotations without square roots).
-    fn add(&mut self, [x, y]: [f32; 2], range_m: f32) {
-        let along = (self.x * x + self.y * y) * self.inverse;
-        let across = (self.x * y - self.y * x) * self.inverse;
-        let (a, b, e) = (range_m * along, range_m * across, range_m * (1.0 - along * self.inverse));
-        self.pixels += 1;
-        let [d, r, y, below, below_y] = &mut self.solved;
-        let (b, e) = (b - a * *r, e - a * *y);
-        let before = *d;
-        *d += a * a;
-        let share = a / *d;
-        let weight = before / *d;
-        (*r, *y) = (*r + share * b, *y + share * e);
-        let e = e - b * *below_y;
-        let before = *below;
-        *below += weight * b * b;
-        if *below > 0.0 {
-            let per = weight / *below;
-            *below_y += per * b * e;
-            self.squares_m2 += per * before * e * e;
+    /// One more pixel of every line; `root` is the root of its weight.
+    #[inline(always)]
+    fn add(&mut self, pixel: &At, inverse_m: f32, root: f32) {
+        let [sd, sr, sy, sdd, syy] = &mut self.solved;
+        let At { cos, sin, .. } = *pixel;
+        for i in 0..CANDIDATE_CUTS {
+            if !VECTORS && self.cost[i] == OUT {
+                continue;
+            }
+            let along = cos * self.cos[i] + sin * self.sin[i];
+            let across = sin * self.cos[i] - cos * self.sin[i];
+            let (a, b, e) = (root * along, root * across, root * (inverse_m - along * self.inverse_m[i]));
+            let (b, e) = (b - a * sr[i], e - a * sy[i]);
+            let before = sd[i];
+            let d = before + a * a;
+            let over = 1.0 / d;
+            let (share, weight) = (a * over, before * over);
+            sd[i] = d;
+            sr[i] += share * b;
+            sy[i] += share * e;
+            let e = e - b * syy[i];
+            let before = sdd[i];
+            let dd = before + weight * b * b;
+            let per = if dd > 0.0 { weight / dd } else { 0.0 };
+            sdd[i] = dd;
+            syy[i] += per * b * e;
+            self.squares[i] += per * before * e * e;
         }
     }
+
+    /// The least cost of everything up to here, and the last cut of it. Cuts that cannot become the
+    /// best any more are out. The line of the newest one has one pixel.
+    fn best(&mut self, newest: usize, rules: &Rules) -> (f32, u32) {
+        let totals: PerCut = core::array::from_fn(|i| {
+            if !VECTORS && self.cost[i] == OUT {
+                return OUT;
+            }
+            self.cost[i] + if i == newest { rules.lone_price } else { rules.line_price + self.squares[i] }
+        });
+        let mut best = (totals[0], 0);
+        for (i, &total) in totals.iter().enumerate() {
+            if total < best.0 {
+                best = (total, i);
+            }
+        }
+        for (cost, total) in self.cost.iter_mut().zip(totals) {
+            *cost = if total > best.0 + rules.line_price { OUT } else { *cost };
+        }
+        (best.0, self.column[best.1 % CANDIDATE_CUTS])
+    }
 }
 
-/// Cuts `run` into lines, and gives them from right to left; of single pixels none. `point` gives
-/// the place of a column within its row, metres. `from` is scratch, one element per column of the
-/// image: where the last line up to each begins.
+/// Cuts the returns of `run` into lines, and gives them from right to left; each begins and ends
+/// with a return. `from` is scratch, one element per column.
 pub(crate) fn lines(
     run: Range<usize>,
-    noise_m2: f32,
+    row: &Scanline,
     rules: &Rules,
     from: &mut [u16],
-    mut point: impl FnMut(usize) -> [f32; 2],
-    mut found: impl FnMut(Line),
+    cached: &mut Cached,
+    mut found: impl FnMut(Range<usize>, &mut Cached),
 ) {
-    let &Rules { line_price, lone_price, min_line_pixels, .. } = rules;
-    let per_noise = 1.0 / noise_m2;
-    let mut cuts = [Cut::default(); CANDIDATE_CUTS];
-    let mut kept = 0;
-    let mut cost = 0.0;
+    let start = run.start;
+    let (mut cuts, mut cost) = (Cuts::NONE, 0.0);
     for column in run.clone() {
-        let place = point(column);
-        let range_m = range_of(place);
-        if kept == CANDIDATE_CUTS {
-            // the last costs of all cuts are within the price of a line; the one with the greatest
-            // goes
-            kept -= 1;
-            cuts.swap(0, kept);
+        let pixel = cached.at(row, column);
+        if pixel.range_m == 0.0 {
+            continue;
         }
-        put(&mut cuts, kept, Cut::new(column, cost, place));
-        kept += 1;
-        let mut costs = [0.0; CANDIDATE_CUTS];
-        let mut best = (f32::MAX, column);
-        for (cut, cost) in cuts.iter_mut().zip(&mut costs).take(kept) {
-            cut.add(place, range_m);
-            *cost = cut.cost + if cut.pixels == 1 { lone_price } else { line_price + cut.squares_m2 * per_noise };
-            if *cost < best.0 {
-                best = (*cost, cut.column);
-            }
-        }
-        cost = best.0;
-        put(from, column, (best.1 - run.start) as u16);
-        let (mut left, mut worst) = (0, (f32::MIN, 0));
-        for (i, at_cost) in costs.into_iter().enumerate().take(kept) {
-            if at_cost <= cost + line_price {
-                if at_cost > worst.0 {
-                    worst = (at_cost, left);
-                }
-                let cut = at(&cuts, i);
-                put(&mut cuts, left, cut);
-                left += 1;
-            }
-        }
-        kept = left;
-        cuts.swap(0, worst.1 % CANDIDATE_CUTS);
+        let inverse_m = 1.0 / pixel.range_m;
+        let root = inverse_sqrt(row.alike_px * row.variance.at(pixel.range_m)) * (pixel.range_m * pixel.range_m);
+        count(CANDIDATE_CUTS);
+        let newest = cuts.begin(column, cost, &pixel, inverse_m);
+        cuts.add(&pixel, inverse_m, root);
+        let (least, cut) = cuts.best(newest, rules);
+        cost = least;
+        put(from, column, (cut as usize - start) as u16);
     }
-    let (start, mut end) = (run.start, run.end);
+    let mut end = run.end;
     while end > start {
-        let begin = start + usize::from(at(from, end - 1));
-        if end - begin >= min_line_pixels {
-            found(Line { columns: begin..end, chi_square: squares_m2(begin..end, &mut point) * per_noise });
+        if row.range_m(end - 1) == 0.0 {
+            end -= 1;
+            continue;
         }
+        let begin = start + usize::from(at(from, end - 1));
+        found(begin..end, cached);
         end = begin;
     }
-}
-
-/// Squared range errors that the best line through some columns leaves, m^2.
-fn squares_m2(columns: Range<usize>, mut point: impl FnMut(usize) -> [f32; 2]) -> f32 {
-    let mut line = Cut::new(columns.start, 0.0, point(columns.start));
-    for column in columns {
-        let place = point(column);
-        line.add(place, range_of(place));
-    }
-    line.squares_m2
-}
-
-fn range_of([x, y]: [f32; 2]) -> f32 {
-    libm::sqrtf(x * x + y * y)
 }

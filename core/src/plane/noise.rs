@@ -1,43 +1,101 @@
-//! What the noise of a row is, and what an uneven turn adds to it.
-#![allow(clippy::indexing_slicing)] // arrays of known length
+//! The variance of a range: of what was stated and what the scan itself tells, the larger.
 
-use crate::moments::{Moments, POINT_UNIT_M};
-use crate::plane::fit::Fit;
+use crate::config::Ranging;
 use crate::plane::rules::Rules;
 
-/// Turn of a row beyond what was reported, and the noise of its pixels.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RowNoise {
-    pub range_m2: f32,
-    pub turn_rad: f32,
-    /// Variance of the turn that is left after its correction.
-    pub turn_rad2: f32,
+/// Standard deviation of what is rounded to steps of 1: 1 / sqrt(12).
+const ROUNDING: f32 = 0.288_675_13;
+
+/// Square of the range beyond which measured noise is not taken to grow, m^2: that of the farthest
+/// class of ranges in which it is measured.
+const MOST_MEASURED_M2: f32 = 144.0;
+
+/// The variance of a range r: the square of `sd` on 1, r, r^2 plus that of `step` on 1, r^2 plus
+/// `least_m2`; at least `measured` on 1, r^4.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Variance {
+    sd: [f32; 3],
+    step: [f32; 2],
+    least_m2: f32,
+    /// What is stated where it is the same at all ranges, as it mostly is.
+    constant_m2: Option<f32>,
+    measured: [f32; 2],
 }
 
-/// The noise of areas.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Noise {
-    /// Variance of a range, m^2.
-    pub range_m2: f64,
-    /// Variance of the turn angle of a row, rad^2, and the axis of the turn.
-    pub turn_rad2: f64,
-    pub axis: [f32; 3],
-}
-
-impl Noise {
-    /// Squared error of the range that the turn angle explains, in units of the noise, for the mean
-    /// of points on a plane.
-    pub fn wobble(&self, plane: &Fit, points: &Moments, rules: &Rules) -> f64 {
-        if self.turn_rad2 == 0.0 {
-            return 0.0;
+impl Variance {
+    /// What is stated of the ranges, and a least standard deviation, metres.
+    pub fn stated(ranging: &Ranging, least_m: f32) -> Variance {
+        let sd = [ranging.range_noise_m, ranging.range_noise_per_m, ranging.range_noise_per_m2];
+        let step = [ranging.range_step_m, ranging.range_step_per_m2].map(|step| step * ROUNDING);
+        let mut stated = Variance { sd, step, least_m2: least_m * least_m, constant_m2: None, measured: [0.0; 2] };
+        if sd[1] == 0.0 && sd[2] == 0.0 && step[1] == 0.0 {
+            stated.constant_m2 = Some(stated.stated_at(0.0));
         }
-        let unit = f64::from(POINT_UNIT_M);
-        let centre = points.first.map(|sum| sum as f64 / f64::from(points.points));
-        let [ax, ay, az] = self.axis.map(f64::from);
-        let [x, y, z] = centre;
-        let moved = [ay * z - az * y, az * x - ax * z, ax * y - ay * x];
-        let slope: f64 = (0..3).map(|i| moved[i] * plane.m[i]).sum();
-        let range_square = (x * x + y * y + z * z) * unit * unit;
-        (rules.wobble * slope * slope * range_square * self.turn_rad2 / self.range_m2).min(rules.most_wobble)
+        stated
+    }
+
+    /// Whether anything is stated but the least.
+    pub fn is_stated(&self) -> bool {
+        self.sd != [0.0; 3] || self.step != [0.0; 2]
+    }
+
+    /// The same, and at least so much: a constant, and what is multiplied by r^4.
+    pub fn with_measured(self, measured: [f32; 2]) -> Variance {
+        Variance { measured, ..self }
+    }
+
+    /// What is stated of a range, m^2.
+    #[inline(always)]
+    fn stated_at(&self, range_m: f32) -> f32 {
+        let [a, b, c] = self.sd;
+        let [s, t] = self.step;
+        let (sd, step) = (a + range_m * (b + range_m * c), s + range_m * range_m * t);
+        sd * sd + step * step + self.least_m2
+    }
+
+    /// Of a range, m^2.
+    #[inline(always)]
+    pub fn at(&self, range_m: f32) -> f32 {
+        let [constant, grown] = self.measured;
+        let square = range_m * range_m;
+        let stated = self.constant_m2.unwrap_or_else(|| self.stated_at(range_m));
+        let measured_at = if square < MOST_MEASURED_M2 { square } else { MOST_MEASURED_M2 };
+        let measured = constant + grown * measured_at * measured_at;
+        if measured > stated { measured } else { stated }
+    }
+}
+
+/// What a surface that is seen at an angle adds to the variance of a range: the direction of the
+/// beam, and what the surface is not flat by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spread {
+    beam_rad2: f32,
+    flat_m2: f32,
+    most_tan_square: f32,
+}
+
+impl Spread {
+    /// What is stated, and the least and most that the rules give.
+    pub fn new(ranging: &Ranging, rules: &Rules) -> Spread {
+        let least = rules.least_beam_rad;
+        let beam_rad = if ranging.beam_noise_rad > least { ranging.beam_noise_rad } else { least };
+        Spread {
+            beam_rad2: beam_rad * beam_rad,
+            flat_m2: ranging.flatness_m * ranging.flatness_m,
+            most_tan_square: rules.max_tan_square,
+        }
+    }
+
+    /// The squared tangent of the incidence that counts.
+    #[inline(always)]
+    pub fn tan_square(&self, tan_square: f32) -> f32 {
+        let positive = if tan_square > 0.0 { tan_square } else { 0.0 };
+        if positive < self.most_tan_square { positive } else { self.most_tan_square }
+    }
+
+    /// At a range squared and a squared tangent of the incidence, m^2.
+    #[inline(always)]
+    pub fn at(&self, range_m2: f32, tan_square: f32) -> f32 {
+        range_m2 * tan_square * self.beam_rad2 + self.flat_m2 * (1.0 + tan_square)
     }
 }

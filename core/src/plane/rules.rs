@@ -1,21 +1,35 @@
-//! Every tuned number of the default, with its unit, its reason and its worth.
+//! Every tuned number of the default, with its unit and its reason.
 //!
-//! Worth: what `tests/ablation.sh` finds without the rule, in points of correct detections at T =
-//! 0.8 on the validation offices at 0 / 5 / 10 mm of noise, and in overlap of the large planes of
-//! the two recorded corridor scans. The whole table is in ARCHITECTURE.md. Squared errors are in
-//! units of the noise: 9 is three standard deviations.
+//! What the rules are worth stands in ARCHITECTURE.md. Squared errors are in units of the noise: 9
+//! is three standard deviations.
 
 /// Areas above a line that are tried.
 pub(crate) const TRIED_AREAS: usize = 8;
 
-/// Pairs of neighbours that are remembered as tried.
+/// Pairs of neighbours that are remembered as tried in a row.
 pub(crate) const REMEMBERED_PAIRS: usize = 8;
 
 /// Last cuts that are kept while a run is cut into lines.
 pub(crate) const CANDIDATE_CUTS: usize = 8;
 
-/// Every so many columns a pixel is looked at for the turn of its row.
-pub(crate) const TURN_STRIDE: usize = 4;
+/// Every so many columns at least a pixel is looked at for the turn of its row.
+pub(crate) const TURN_STRIDE: usize = 8;
+
+/// Planes that are told apart in what the turn of a row explains.
+pub(crate) const TURN_PLANES: usize = 8;
+
+/// Slots that are looked at for the smallest area that has ended, when the table is full; an eighth
+/// as many that have ended are enough.
+pub(crate) const LOOKED_AT: u16 = 64;
+
+/// Squared error beyond which a pixel past a border is nearer or farther.
+pub(crate) const BORDER_SQUARE: f32 = 9.0;
+
+/// Budget that trying a pair across a gap costs beside looking at it.
+pub(crate) const BRIDGE_TRY: u32 = 5;
+
+/// Allowance of the quick test of such a pair for rounding.
+pub(crate) const SURE: f32 = 1.1;
 
 /// The tuned numbers of [`PlaneSegmenter`](crate::PlaneSegmenter). They are the same for every
 /// scanner and scene; the noise of the ranges is a setting and stands in
@@ -26,114 +40,167 @@ pub(crate) const TURN_STRIDE: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rules {
-    /// Least standard deviation of a range, metres. Beams are not quite where they are said to be,
-    /// ranges are rounded, walls are not quite flat. With 0.5 mm: 4.2 / -0.4 / -0.4 points.
+    /// Least standard deviation of a range, metres: ranges are rounded, walls are not quite flat.
     pub least_noise_m: f32,
+    /// Least standard deviation of the direction of a beam, radians: 0.02 deg. It counts where a
+    /// surface is seen at a grazing angle.
+    pub least_beam_rad: f32,
 
-    /// Columns to either side in which a pixel looks for a plane of the row above. With 0: 4.8 /
-    /// 3.7 / 1.4 points.
-    pub reach_columns: usize,
     /// Squared error at which a pixel lies on no plane: 3.2 standard deviations.
     pub off_plane: f32,
     /// Squared error that a pixel is given once it has left all planes. Between the 1 of chance and
     /// [`Rules::off_plane`].
     pub left_price: f32,
     /// Squared error that leaving a plane, or coming back, is given: more than noise gathers in a
-    /// few pixels. With 0: -0.1 / 3.4 / 4.5 points.
+    /// few pixels.
     pub leave_price: f32,
-    /// Variance of the direction of a beam, rad^2: 0.02 deg. It counts where a surface is seen at a
-    /// grazing angle. With 0: 0.05 of the first corridor scan.
-    pub beam_rad2: f32,
     /// Squared tangent of the largest angle of incidence that is told: surfaces seen at less than 4
     /// deg are taken for seen at 4 deg.
     pub max_tan_square: f32,
     /// Most that the turn angle may add to the variance of a range, in units of the noise.
     pub most_turn: f32,
+    /// Most squares for each pixel of an area that is followed: what is rougher is no plane.
+    pub rough: f32,
+    /// And so many squares by chance.
+    pub rough_by_chance: f32,
 
     /// Squared errors that a cut between two lines must save: fewer than two more numbers fitted
     /// save by chance once in a thousand.
     pub line_price: f32,
-    /// Squared error that a pixel in no line is given.
+    /// Squared error that a pixel in a line of its own is given.
     pub lone_price: f32,
-    /// Least pixels of a line. With 3: 5.2 / 2.8 / -0.1 points.
-    pub min_line_pixels: usize,
+    /// Columns without a return that lines and runs go across, and over which neighbours join.
+    pub gap_columns: usize,
 
     /// Squared errors that a common plane may add by chance. It has three numbers less than two
     /// planes, whose squares exceed 20 once in 6000 times.
-    pub chance: f64,
+    pub chance: f32,
     /// And for each point of the smaller area: surfaces are not quite flat, and noise is not quite
     /// what it is said to be.
-    pub uneven: f64,
+    pub uneven: f32,
     /// Excess over the noise at which an area still lies near a plane: scanners with less noise
-    /// than they are said to have bend their ranges. Without: 0.8 / 0 / -0.3 points, 0.03 of the
-    /// first corridor scan.
-    pub bent: f64,
+    /// than they are said to have bend their ranges.
+    pub bent: f32,
     /// Variances of the turn angle by which a surface may be bent.
-    pub wobble: f64,
+    pub wobble: f32,
     /// Most of that, in units of the noise.
-    pub most_wobble: f64,
-    /// Least rows of areas that join a neighbour: one row has no plane. Without such joins: 1.3 /
-    /// 1.4 / -0.4 points, 0.12 and 0.14 of the corridor scans.
-    pub neighbour_rows: u16,
-    /// Least points of areas that join across a gap. Without such joins: 8.0 / 7.0 / 5.2 points,
-    /// 0.15 and 0.08 of the corridor scans.
+    pub most_wobble: f32,
+    /// Least points of areas that join across a gap.
     pub gap_points: u32,
-    /// Squared cosine of the largest angle, 3 deg, at which two large areas are one that the
-    /// scanner bends. Without such joins: 0.2 / 0 / -1.0 points, 0.06 of the first corridor scan.
+    /// Of 16 pixels past the borders that face each other so many must be nearer: then they may
+    /// hide the rest of one surface.
+    pub hidden: u32,
+
+    /// Squared cosine of the largest angle, 3 deg, at which two large areas are one that the scanner
+    /// bends.
     pub bend_cos_square: f32,
-    /// Squared step between the two: three standard deviations of a range.
+    /// Squared step between the two: 2.4 standard deviations of a range.
     pub bend_step: f32,
     /// Least points of each of the two.
     pub bend_points: u32,
+
+    /// Largest turn between two areas that are one but for a turn that was not reported, radians:
+    /// 2.6 deg.
+    pub seam_rad: f32,
+    /// Squares that their common plane may add for each point of the smaller.
+    pub seam_uneven: f32,
+    /// Least columns of each of the two.
+    pub seam_columns: u16,
     /// Least rows of each of the two.
-    pub bend_rows: u16,
+    pub seam_rows: u16,
 
     /// Standard deviation of the turn that is expected beyond what the encoder says, radians: 2
     /// deg. Twice as much is believed.
     pub turn_rad: f32,
-    /// Squared errors that such a turn must explain in all. Without turns: 0 / -0.3 / -0.3 points,
-    /// 0.32 and 0.24 of the corridor scans.
+    /// Standard deviation of the offset of a ring of a spinning scanner that is expected, metres.
+    /// Twice as much is believed.
+    pub ring_m: f32,
+    /// Standard deviation of the turn that is expected before any row tells, radians.
+    pub turn_prior_rad: f32,
+    /// Standard deviation of the offsets of rings that is expected before any row tells, metres.
+    pub ring_prior_m: f32,
+    /// Squared errors that either must explain in all.
     pub turn_gain: f32,
     /// Squared errors that it must explain for each pixel.
     pub turn_gain_per_pixel: f32,
+    /// Squared errors that it must explain on a second plane.
+    pub turn_other: f32,
+    /// Squared cosine between the two planes, at most.
+    pub turn_cos_square: f32,
+    /// A turn that one plane alone tells is believed if the scanner went on by at least so much of
+    /// what was reported from row to row. A wall that begins where a floor ends looks as if it had
+    /// stopped.
+    pub turn_alone_least: f32,
+    /// And by at most so much of it.
+    pub turn_alone_most: f32,
     /// Squared error beyond which a pixel is on another surface.
     pub turn_off: f32,
     /// Least points of a plane that tells a turn: smaller ones may themselves be wrong.
     pub turn_points: u32,
     /// Least rows of a plane that tells a turn.
     pub turn_rows: u16,
+
+    /// The noise is measured by this quantile of squared second differences: low, because those
+    /// across edges are high.
+    pub noise_share: f32,
+    /// Where normal ones of variance 1 have that quantile.
+    pub noise_square: f32,
+    /// The variance that counts, of that measured: it is to be a little too small rather than too
+    /// large.
+    pub noise_less: f32,
+    /// Least factor over the stated variance that is believed.
+    pub noise_trust: f32,
+    /// Most factor over the stated variance: trees look like noise, and are not. Where none is stated
+    /// there is no most.
+    pub noise_most: f32,
 }
 
 impl Rules {
     /// The numbers that the default uses.
     pub const TUNED: Rules = Rules {
-        least_noise_m: 0.002,
-        reach_columns: 1,
+        least_noise_m: 0.0015,
+        least_beam_rad: 4e-4,
         off_plane: 10.0,
-        left_price: 2.5,
+        left_price: 2.75,
         leave_price: 12.0,
-        beam_rad2: 1.2e-7,
         max_tan_square: 200.0,
         most_turn: 9.0,
+        rough: 6.0,
+        rough_by_chance: 60.0,
         line_price: 14.0,
         lone_price: 10.0,
-        min_line_pixels: 2,
+        gap_columns: 3,
         chance: 20.0,
         uneven: 0.1,
         bent: 0.1,
-        wobble: 4.0,
-        most_wobble: 9.0,
-        neighbour_rows: 2,
+        wobble: 32.0,
+        most_wobble: 25.0,
         gap_points: 20,
+        hidden: 8,
         bend_cos_square: 0.99726,
-        bend_step: 9.0,
-        bend_points: 500,
-        bend_rows: 4,
+        bend_step: 6.0,
+        bend_points: 1000,
+        seam_rad: 0.045,
+        seam_uneven: 0.6,
+        seam_columns: 48,
+        seam_rows: 3,
         turn_rad: 2.0 * core::f32::consts::PI / 180.0,
+        ring_m: 0.05,
+        turn_prior_rad: 2.5e-4,
+        ring_prior_m: 0.005,
         turn_gain: 8.0,
         turn_gain_per_pixel: 0.5,
+        turn_other: 4.0,
+        turn_cos_square: 0.95,
+        turn_alone_least: 0.3,
+        turn_alone_most: 10.0,
         turn_off: 9.0,
         turn_points: 50,
         turn_rows: 4,
+        noise_share: 0.3,
+        noise_square: 0.1485,
+        noise_less: 0.9,
+        noise_trust: 2.0,
+        noise_most: 36.0,
     };
 }

@@ -1,42 +1,100 @@
-//! A row as it was pushed, and where its points are.
+//! A row as it was pushed, its beams and its planes.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::dot;
 use crate::config::Ranging;
-use crate::row::bits::{CHUNK, load};
+use crate::plane::noise::{Spread, Variance};
+use crate::row::bits::{CHUNK, VECTORS};
 use crate::row::fan::{Fan, Frame};
+use crate::row::within::{at, split_mut};
+
+/// Nearer returns count as being there, metres: the fourth power of a range is a number.
+const LEAST_RANGE_M: f32 = 1e-3;
 
 /// A row of ranges and the beams along which they were measured.
 pub(crate) struct Scanline<'a> {
     pub ranging: &'a Ranging,
     pub fan: &'a Fan<'a>,
     pub frame: Frame,
+    /// How the part p of the frame turns as the row turns.
+    pub turns: [f32; 3],
     pub ranges_m: &'a [f32],
     pub wraps: bool,
+    /// Variance of a range.
+    pub variance: Variance,
+    /// What it grows by where a surface is seen at an angle.
+    pub spread: Spread,
+    /// Pixels along a row whose errors are alike: together they count once.
+    pub alike_px: f32,
+    /// The row was turned by this more than was reported, radians. Planes are followed where they
+    /// then are, and the sums forgive as much.
+    pub turned_rad: f32,
+    /// Ranges are too large by this, metres: the offset of the ring of a spinning scanner. As with
+    /// the turn.
+    pub offset_m: f32,
+    /// Variance of what all pixels of the row are off by alike: rad^2 of its turn, m^2 of the offset
+    /// of its ring.
+    pub off2: f32,
+    /// Columns without a return that lines and runs go across.
+    pub gap_columns: usize,
+}
+
+/// A plane in one row: u . m = a cos + b sin + k, and `turned` cos more for each radian that the
+/// row turns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Along {
+    pub a: f32,
+    pub b: f32,
+    pub k: f32,
+    pub turned: f32,
 }
 
 impl Scanline<'_> {
-    /// A plane p . m = 1 in this row: p . m = r (a cos + b sin + k), and by r d cos more for each
-    /// radian that the row turns.
-    pub fn along(&self, m: [f32; 3]) -> [f32; 4] {
-        let ([ax, ay, az], [x, y, z]) = (self.fan.axis(), self.frame.p);
-        let turned = [ay * z - az * y, az * x - ax * z, ax * y - ay * x];
-        [self.frame.p, self.frame.q, self.frame.r, turned].map(|along| dot(along, m))
-    }
-
-    /// One over the range at which the beam of a column meets a plane.
-    pub fn inverse_m(&self, column: usize, m: [f32; 3]) -> f32 {
-        let [a, b, k, _] = self.along(m);
-        let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
-        self.fan.row_lanes(&self.frame, column / CHUNK * CHUNK, &mut cos, &mut sin);
-        a * cos[column % CHUNK] + b * sin[column % CHUNK] + k
+    /// A plane u . m = 1 / r in this row.
+    pub fn along(&self, m: [f32; 3]) -> Along {
+        let Frame { p, q, r } = self.frame;
+        let [a, b, k, turned] = [p, q, r, self.turns].map(|along| dot(along, m));
+        Along { a, b, k, turned }
     }
 
     /// The chunk that starts at column `from`.
     #[inline]
     pub fn lanes(&self, from: usize, lanes: &mut Lanes) {
-        lanes.range_m = load(self.ranges_m, from, &mut [0.0; CHUNK]).map(|range_m| self.ranging.clean(range_m));
+        let row = self.ranges_m.get(from..).unwrap_or_default();
+        let (there, past) = split_mut(&mut lanes.range_m, row.len().min(CHUNK));
+        for (to, &range_m) in there.iter_mut().zip(row) {
+            *to = self.known(range_m);
+        }
+        past.fill(0.0);
         self.fan.row_lanes(&self.frame, from, &mut lanes.cos, &mut lanes.sin);
+    }
+
+    /// The range of a return, 0 for none.
+    pub fn range_m(&self, column: usize) -> f32 {
+        self.known(at(self.ranges_m, column))
+    }
+
+    /// A range as it is reckoned with, 0 for no return.
+    #[inline(always)]
+    fn known(&self, range_m: f32) -> f32 {
+        let range_m = self.ranging.clean(range_m);
+        if (range_m > 0.0) & (range_m < LEAST_RANGE_M) { LEAST_RANGE_M } else { range_m }
+    }
+
+    /// The direction of a beam.
+    pub fn beam(&self, cos: f32, sin: f32) -> [f32; 3] {
+        let Frame { p, q, r } = self.frame;
+        core::array::from_fn(|i| cos * p[i] + sin * q[i] + r[i])
+    }
+
+    /// The column so many to the right, if it is there.
+    pub fn to_the_right(&self, column: usize, ahead: usize) -> Option<usize> {
+        let columns = self.ranges_m.len();
+        match column + ahead {
+            c if c < columns => Some(c),
+            c if self.wraps && c < 2 * columns => Some(c - columns),
+            _ => None,
+        }
     }
 }
 
@@ -51,4 +109,54 @@ pub(crate) struct Lanes {
 
 impl Lanes {
     pub const EMPTY: Lanes = Lanes { cos: [0.0; CHUNK], sin: [0.0; CHUNK], range_m: [0.0; CHUNK] };
+}
+
+/// A pixel: cosine and sine of its beam within its row, and its range, 0 for no return.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct At {
+    pub cos: f32,
+    pub sin: f32,
+    pub range_m: f32,
+}
+
+/// The chunk that was read last.
+pub(crate) struct Cached {
+    pub lanes: Lanes,
+    chunk: usize,
+}
+
+impl Cached {
+    pub const EMPTY: Cached = Cached { lanes: Lanes::EMPTY, chunk: usize::MAX };
+
+    /// The chunk of a column, and the place of the column in it.
+    #[inline(always)]
+    pub fn lanes(&mut self, row: &Scanline, column: usize) -> (&Lanes, usize) {
+        if self.chunk != column / CHUNK {
+            self.chunk = column / CHUNK;
+            row.lanes(self.chunk * CHUNK, &mut self.lanes);
+        }
+        (&self.lanes, column % CHUNK)
+    }
+
+    /// A pixel.
+    #[inline(always)]
+    pub fn at(&mut self, row: &Scanline, column: usize) -> At {
+        let (lanes, i) = self.lanes(row, column);
+        At { cos: lanes.cos[i], sin: lanes.sin[i], range_m: lanes.range_m[i] }
+    }
+
+    /// A pixel that is needed alone: its chunk is not read for it where that costs more.
+    #[inline(never)]
+    pub fn lone(&mut self, row: &Scanline, column: usize) -> At {
+        if VECTORS {
+            return self.at(row, column);
+        }
+        let i = column % CHUNK;
+        let (cos, sin) = if self.chunk == column / CHUNK {
+            (self.lanes.cos[i], self.lanes.sin[i])
+        } else {
+            row.fan.row_beam(&row.frame, column)
+        };
+        At { cos, sin, range_m: row.range_m(column) }
+    }
 }

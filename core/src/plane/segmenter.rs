@@ -3,40 +3,44 @@
 //!
 //! ```text
 //! row r arrives
-//!   turn of the row beyond what was reported             turn
-//!   pixels that go on with a plane of row r - 1          follow
+//!   noise of the ranges, from the row itself             measure, noise
+//!   what the row is off by: its turn, or its offset      turn, median
+//!   pixels that go on with a plane above                 follow
+//!   areas and their planes grow by their runs            grower, run_sums, weighted, areas
 //!   lines in what follows no plane                       line
 //!   each line joins an area above it, or begins one      join
-//!   planes are computed anew                             surface
-//!   neighbours, and pieces across a gap, join            join
-//!   what has not grown is complete                       surface
+//!   neighbours join                                      neighbours, join, tried
+//!   pieces across what hides the rest join               borders, bridge
+//!   what the next row has above it                       carried
+//!   what nothing can go on with is complete              areas
 //! ```
 //!
 //! Everything of row r happens when row r arrives.
-#![allow(clippy::indexing_slicing)] // arrays of known length
 
 use core::fmt;
 use core::ops::ControlFlow;
 
-use crate::area::live_labels;
 use crate::beam::Beams;
 use crate::error::{ConfigError, PushError};
 use crate::memory::Memory;
+use crate::plane::areas::Areas;
+use crate::plane::carried::Carried;
 use crate::plane::config::PlaneConfig;
 use crate::plane::follow::{Followed, follow};
-use crate::plane::join::{area_for, join_neighbours};
-use crate::plane::line::lines;
-use crate::plane::noise::Noise;
-use crate::plane::scanline::{Lanes, Scanline};
-use crate::plane::surface::{FULL, PLANE_LEN, Surfaces};
-use crate::plane::turn::RowTurns;
-use crate::row::bits::{CHUNK, load, pack, runs, words};
+use crate::plane::grower::Grower;
+use crate::plane::measure::Measured;
+use crate::plane::neighbours::join_neighbours;
+use crate::plane::noise::{Spread, Variance};
+use crate::plane::scanline::{Cached, Scanline};
+use crate::plane::tried::{Tried, tried_len};
+use crate::plane::turn::Turns;
+use crate::row::bits::{CHUNK, load, pack_where, words};
 use crate::row::fan::{Fan, RowBeam};
-use crate::row::points::RowPoints;
-use crate::row::slots::{NONE, equal_runs};
+use crate::row::slots::NONE;
 use crate::row::within::{at, part_mut, split_mut};
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
+use crate::weighted::sums::cross;
 
 /// Segments a scan while it comes in, row by row, by planes that go on from row to row. Its latency
 /// is 0 rows.
@@ -72,23 +76,24 @@ use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 /// ```
 pub struct PlaneSegmenter<'a> {
     config: PlaneConfig,
-    range_m2: f32,
+    stated: Variance,
+    measured: Measured,
     fan: Fan<'a>,
     columns: usize,
     progress: Progress,
-    turns: RowTurns,
+    turns: Turns,
     scratch: &'a mut [f32],
-    /// Slots of two rows, row q at q % 2; then the cuts of a row.
+    /// Slots of this row and above it, cuts of a row.
     slots: &'a mut [u16],
     bits: &'a mut [u32],
-    surfaces: Surfaces<'a>,
+    areas: Areas<'a>,
 }
 
 impl fmt::Debug for PlaneSegmenter<'_> {
     /// Writes what is set and how far the scan has come, not the memory.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("PlaneSegmenter")
-            .field("config", &self.config)
+            .field("ranging", &self.config.ranging)
             .field("columns", &self.columns)
             .field("rows", &self.progress.rows)
             .finish_non_exhaustive()
@@ -116,7 +121,10 @@ impl Segmenter for PlaneSegmenter<'_> {
     }
 
     fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> Finished {
-        let ended = self.surfaces.close(true, sink);
+        let mut ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
+        if ended.is_continue() {
+            ended = self.areas.close(true, sink);
+        }
         let finished = self.progress.finished(ended);
         self.reset();
         finished
@@ -124,9 +132,11 @@ impl Segmenter for PlaneSegmenter<'_> {
 
     fn reset(&mut self) {
         self.progress = Progress::default();
-        self.turns = RowTurns::default();
+        self.turns = Turns::default();
+        self.measured = Measured::NONE;
         self.slots.fill(NONE);
-        self.surfaces.reset();
+        self.bits.fill(0);
+        self.areas.reset();
     }
 
     fn latency_rows(&self) -> usize {
@@ -144,109 +154,122 @@ impl<'a> PlaneSegmenter<'a> {
     pub fn new(config: PlaneConfig, beams: Beams<'a>, columns: usize, memory: Memory<'a>) -> Result<Self, ConfigError> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
-        memory.check(&config.sizes(columns))?;
-        let areas = memory.areas.len().min(live_labels(columns));
-        let (planes, scratch) = split_mut(memory.numbers, PLANE_LEN * areas);
-        let (slots, marks) = split_mut(memory.halves, 3 * columns);
-        let (table, max_range_m) = (part_mut(memory.areas, 0..areas), config.ranging.max_range_m);
-        let surfaces = Surfaces::new(table, planes, marks, max_range_m, config.rules);
-        let (noise_m, least_m) = (config.ranging.range_noise_m, config.rules.least_noise_m);
-        let range_m2 = noise_m * noise_m + least_m * least_m;
-        let (progress, turns, bits) = (Progress::default(), RowTurns::default(), memory.words);
-        let mut segmenter = Self { config, range_m2, fan, columns, progress, turns, scratch, slots, bits, surfaces };
+        let needed = config.sizes(columns);
+        memory.check(&needed)?;
+        let scratch = part_mut(memory.numbers, 0..needed.numbers);
+        let slots = part_mut(memory.halves, 0..needed.halves);
+        let (tried, bits) = split_mut(memory.words, tried_len(columns));
+        let (ranging, rules) = (&config.ranging, config.rules);
+        let areas = Areas::new(memory.areas, Tried::new(tried), fan.axis(), rules);
+        let stated = Variance::stated(ranging, rules.least_noise_m);
+        let (progress, turns, measured) = (Progress::default(), Turns::default(), Measured::NONE);
+        let mut segmenter =
+            Self { config, stated, measured, fan, columns, progress, turns, scratch, slots, bits, areas };
         segmenter.reset();
         Ok(segmenter)
     }
 
+    /// The standard deviation of a range that counted in the last row, metres: that stated or that
+    /// measured in the scan, whichever is larger, and at least [`Rules::least_noise_m`]. Before the
+    /// first row and after [`Segmenter::finish`] it is that stated.
+    ///
+    /// [`Rules::least_noise_m`]: crate::Rules::least_noise_m
+    #[must_use]
+    pub fn range_noise_m(&self, range_m: f32) -> f32 {
+        libm::sqrtf(self.measured.variance(&self.stated, self.config.rules).at(range_m))
+    }
+
+    /// The standard deviation of a range as the rows of this scan so far tell it, whatever was
+    /// stated, metres; none where too few returns at about this range have come. A measurement is
+    /// right to a quarter or so; less than a quarter of what was stated is not told from none.
+    #[must_use]
+    pub fn measured_noise_m(&self, range_m: f32) -> Option<f32> {
+        self.measured.alone(range_m, &self.stated, self.config.rules).map(libm::sqrtf)
+    }
+
     fn grow<S: Sink + ?Sized>(&mut self, beam: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
-        let columns = self.columns;
-        let (even, rest) = split_mut(self.slots, columns);
-        let (odd, cuts) = split_mut(rest, columns);
-        let (above, slots) = if beam.row.is_multiple_of(2) { (&*odd, even) } else { (&*even, odd) };
-        let mut bits = self.bits.chunks_exact_mut(words(columns).max(1));
-        let mut packed = || bits.next().unwrap_or_default();
+        let Self { config, fan, columns, areas, turns, .. } = self;
+        let (columns, rules) = (*columns, config.rules);
+        let (slots, rest) = split_mut(self.slots, columns);
+        let (above, cuts) = split_mut(rest, columns);
+        let mut packed = self.bits.chunks_exact_mut(words(columns).max(1));
+        let mut packed = || packed.next().unwrap_or_default();
+        let mut carried = Carried { slots: above, ages: [packed(), packed()] };
         let mut followed = Followed { returns: packed(), free: packed(), was_left: packed(), was_on: packed() };
-        let frame = self.fan.frame(beam);
-        let ranging = &self.config.ranging;
-        let line = Scanline { ranging, fan: &self.fan, frame, ranges_m, wraps: self.fan.wraps() };
-        self.surfaces.row = beam.row as u16;
-
-        let row_noise = self.turns.of_row(&line, above, &self.surfaces, self.range_m2, self.scratch);
-        follow(&line, above, &self.surfaces, &row_noise, &mut followed, slots);
-        let Followed { returns, free, .. } = followed;
-
-        let mut points = RowPoints::new(&self.fan, frame, ranges_m);
-        for run in equal_runs(slots) {
-            let slot = at(slots, run.start);
-            if slot < FULL {
-                self.surfaces.extend(slot, &run, &points.moments(run.clone()));
+        let mut line = scanline(config, fan, beam, ranges_m, &self.stated);
+        self.measured.look_at(&line, beam.row);
+        line.variance = self.measured.variance(&self.stated, rules);
+        areas.row = beam.row as u16;
+        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.turn_rad, self.scratch) {
+            if fan.spins() {
+                line.offset_m = by;
+            } else {
+                line.turned_rad = by;
             }
         }
-        let noise = Noise {
-            range_m2: f64::from(self.range_m2),
-            turn_rad2: f64::from(self.turns.variance_rad2()),
-            axis: self.fan.axis(),
-        };
-        let unlabelled =
-            take_lines(&mut self.surfaces, &line, &mut points, above, slots, Free { pixels: free, cuts }, &noise);
+        let stated_rad2 = config.ranging.turn_noise_rad * config.ranging.turn_noise_rad;
+        let told2 = turns.told2(fan, rules);
+        line.off2 = told2 + stated_rad2;
+        areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
+        let turn_rad2 = LEFT_OF_TURN * told2 + stated_rad2;
+        follow(&line, carried.slots, areas, turn_rad2, &mut followed, slots);
+
+        let Followed { returns, free, .. } = followed;
+        let mut grower = Grower { line: &line, returns, cached: Cached::EMPTY };
+        grower.extend(areas, slots);
+        let unlabelled = grower.take_lines(areas, carried.slots, slots, free, cuts);
+        let mut cached = grower.cached;
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
-            let none = load(slots, word * CHUNK, &mut [0; CHUNK]).map(|slot| slot == NONE);
-            *free &= pack(&none);
+            let mut copy = [0; CHUNK];
+            let slots = load(slots, word * CHUNK, &mut copy);
+            *free &= pack_where(|i| at(slots, i) == NONE);
         }
         sink.edges(&EdgeRow { row: beam.row, columns, words: free })?;
 
-        self.surfaces.refit();
-        join_neighbours(&mut self.surfaces, &line, above, slots, &noise, sink)?;
-        self.surfaces.bridge(&noise, sink)?;
-        self.surfaces.settle(slots);
-        self.surfaces.close(false, sink)?;
-        let (slots, table) = (RowSlots::Pixels(slots), self.surfaces.table());
+        join_neighbours(areas, &line, carried.slots, slots, &mut cached, sink)?;
+        if let Some(turn_rad) = areas.seam_rad.take() {
+            turns.learn_turn(turn_rad, rules);
+        }
+        areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), sink)?;
+        areas.settle([slots, carried.slots]);
+        carried.take(slots, returns, areas);
+        areas.close(false, sink)?;
+        let (slots, table) = (RowSlots::Pixels(slots), areas.table());
         sink.row(&LabelRow { row: beam.row, columns, returns, slots, table })?;
         ControlFlow::Continue(unlabelled)
     }
 }
 
-/// The pixels of a row that follow no plane, and where they are cut into lines.
-struct Free<'a> {
-    /// Packed.
-    pixels: &'a [u32],
-    /// Scratch, one element per column.
-    cuts: &'a mut [u16],
-}
+/// Of the variance of the turn what is left after its correction.
+const LEFT_OF_TURN: f32 = 0.25;
+/// Budget of the end of a scan for joins across gaps, for each column.
+const LAST_BRIDGES: u32 = 16;
+/// Least budget of a row.
+const LEAST_BRIDGES: u32 = 16;
 
-/// Cuts the pixels that follow no plane into lines, and gives each to an area of the row above or
-/// to a new one. Returns the pixels of lines that found the table of areas full.
-fn take_lines(
-    surfaces: &mut Surfaces,
-    row: &Scanline,
-    points: &mut RowPoints,
-    above: &[u16],
-    slots: &mut [u16],
-    free: Free,
-    noise: &Noise,
-) -> u32 {
-    let mut unlabelled = 0;
-    let Free { pixels, cuts } = free;
-    let (mut lanes, mut at_chunk) = (Lanes::EMPTY, usize::MAX);
-    for run in runs(pixels, slots.len()) {
-        let place = |column: usize| {
-            if at_chunk != column / CHUNK {
-                at_chunk = column / CHUNK;
-                row.lanes(at_chunk * CHUNK, &mut lanes);
-            }
-            let (i, range_m) = (column % CHUNK, lanes.range_m[column % CHUNK]);
-            [range_m * lanes.cos[i], range_m * lanes.sin[i]]
-        };
-        let (range_m2, rules) = (noise.range_m2 as f32, surfaces.rules);
-        lines(run, range_m2, rules, cuts, place, |found| {
-            let moments = points.moments(found.columns.clone());
-            let slot = area_for(surfaces, above, &found.columns, &moments, f64::from(found.chi_square), noise);
-            part_mut(slots, found.columns.clone()).fill(slot);
-            if slot == FULL {
-                unlabelled += found.columns.len() as u32;
-            }
-        });
+/// A row as it was pushed.
+fn scanline<'r>(
+    config: &'r PlaneConfig,
+    fan: &'r Fan<'r>,
+    beam: RowBeam,
+    ranges_m: &'r [f32],
+    stated: &Variance,
+) -> Scanline<'r> {
+    let (ranging, frame) = (&config.ranging, fan.frame(beam));
+    Scanline {
+        ranging,
+        fan,
+        turns: cross(fan.axis(), frame.p),
+        frame,
+        ranges_m,
+        wraps: fan.wraps(),
+        variance: *stated,
+        spread: Spread::new(ranging, config.rules),
+        alike_px: ranging.noise_correlation_px,
+        turned_rad: 0.0,
+        offset_m: 0.0,
+        off2: 0.0,
+        gap_columns: config.rules.gap_columns,
     }
-    unlabelled
 }

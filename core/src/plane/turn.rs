@@ -1,206 +1,262 @@
-//! What the encoder did not say: the turn of a row beyond what was reported, from the planes that
-//! the row goes on with.
+//! What a whole row is off by, from the planes that it goes on with: of a turning scanner its turn
+//! beyond what was reported, of a spinning one the offset of its ring.
 //!
 //! A row that was turned further than reported is off on every floor, ceiling and front wall at
 //! once, and on each by the same angle; on side walls it does not show. The angle is found from the
-//! weighted median over a quarter of the pixels, then by least squares over those that agree with
-//! it. It must explain much of the row's error to be believed. Once a tenth of the rows, and three,
-//! were off, surfaces are allowed to be uneven by as much.
+//! weighted median over some pixels, then by least squares over those that agree with it. It must
+//! explain much of the row's error to be believed, and on two planes at least, or be one by which
+//! the scanner went on: a wall square to the scanner that begins where a floor ends looks like a
+//! turn too, but back. Once a tenth of the rows, and
+//! three, were off, surfaces are allowed to be uneven by as much.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::plane::noise::RowNoise;
-use crate::plane::rules::{Rules, TURN_STRIDE};
-use crate::plane::scanline::{Lanes, Scanline};
-use crate::plane::surface::{FULL, Surfaces};
-use crate::row::bits::CHUNK;
-use crate::row::within::{at, part_mut, put, swap};
+use crate::arithmetic::{dot, inverse_sqrt};
+use crate::plane::areas::{Areas, FULL};
+use crate::plane::median::weighted_median;
+use crate::plane::rules::{Rules, TURN_PLANES, TURN_STRIDE};
+use crate::plane::scanline::{Along, Cached, Scanline};
+use crate::row::fan::Fan;
+use crate::row::slots::NONE;
+use crate::row::within::{at, part_mut, put};
 
-/// Scratch for so many columns, in numbers.
+/// A pixel that tells: its error, how that changes with what the row is off by, both in units of
+/// the noise, and its slot.
+type Sample = [f32; 3];
+
+/// Every so many pixels are looked at, some 90 to 180 in all.
+const fn stride(columns: usize) -> usize {
+    let least = columns / 64;
+    if least < TURN_STRIDE { TURN_STRIDE } else { least }
+}
+
+/// Numbers of scratch for images of so many columns.
 pub(crate) const fn scratch_len(columns: usize) -> usize {
-    2 * columns.div_ceil(TURN_STRIDE)
+    size_of::<Sample>() / size_of::<f32>() * columns.div_ceil(stride(columns))
+}
+
+/// Most that one row tells, of what is known.
+const MOST_MORE: f32 = 1000.0;
+/// Rows that are taken to have told nothing but what is expected.
+const PRIOR_ROWS: f32 = 4.0;
+
+/// What a row is off by.
+#[derive(Clone, Copy, Debug)]
+struct Off {
+    by: f32,
+    /// Variance of that by the noise of its pixels.
+    variance: f32,
+    /// Whether it is more than noise. Then the row is looked for there.
+    is_off: bool,
 }
 
 /// What is known of the turn angles of a scan.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct RowTurns {
-    /// Rows that could tell, rows that were off, and the sum of the squares of the latter.
-    told: u32,
-    off: u32,
-    squares_rad2: f32,
+pub(crate) struct Turns {
+    /// Rows that could tell, as the one before, and the sum of the variances that they told; rows
+    /// count by how well they tell.
+    told: f32,
+    squares2: f32,
+    /// What the last row was off by, if it told.
+    last: Option<Off>,
+    /// Turn of the last row as reported, and what it was more.
+    last_rad: [f32; 2],
 }
 
-impl RowTurns {
-    /// Variance of the turn angle, rad^2.
-    pub fn variance_rad2(&self) -> f32 {
-        // two rows more, so that the first ones do not speak for all
-        let rows = self.told + 2;
-        if self.off >= 3 && 10 * self.off >= rows { self.squares_rad2 / rows as f32 } else { 0.0 }
+impl Turns {
+    /// Variance of what rows are off by: of the turn angle, rad^2; of a spinning scanner of the
+    /// offsets of its rings, m^2. `expected2` is what is expected before any row tells.
+    fn variance(&self, expected2: f32) -> f32 {
+        // some rows more, so that the first ones do not speak for all
+        let variance = (PRIOR_ROWS * expected2 + self.squares2) / (PRIOR_ROWS + self.told);
+        if variance > 0.0 { variance } else { 0.0 }
     }
 
-    /// The noise of a row. `scratch` has [`scratch_len`] elements.
+    /// Takes note of a row that is off by so much more than the one before, where noise alone makes
+    /// it so much, as a variance. What all rows are off by alike is no noise: planes may be tilted
+    /// by as much.
+    fn learn(&mut self, more: f32, noise2: f32, expected2: f32) {
+        let ratio = expected2 / (expected2 + noise2);
+        let weight = ratio * ratio;
+        // two rows of independent turns differ by twice the variance
+        let told2 = 0.5 * (more * more - noise2);
+        // one row alone does not speak for all either
+        let known2 = self.variance(expected2);
+        let most2 = MOST_MORE * if known2 > expected2 { known2 } else { expected2 };
+        self.told += weight;
+        self.squares2 += weight * if told2 < most2 { told2 } else { most2 };
+    }
+
+    /// Takes note of a turn that was found between two areas, radians.
+    pub fn learn_turn(&mut self, turn_rad: f32, rules: &Rules) {
+        self.learn(turn_rad, 0.0, expected2(false, rules));
+    }
+
+    /// Variance of what rows of this scanner are off by, as the scan tells it.
+    pub fn told2(&self, fan: &Fan, rules: &Rules) -> f32 {
+        let known = fan.spins() || fan.axis() != [0.0; 3];
+        if known { self.variance(expected2(fan.spins(), rules)) } else { 0.0 }
+    }
+
+    /// What a row is off by: its turn beyond what was reported, radians; of a spinning scanner all
+    /// its ranges, metres. `None` for a row that is not off, or does not tell. `scratch` has
+    /// [`scratch_len`] elements.
     pub fn of_row(
         &mut self,
         line: &Scanline,
         above: &[u16],
-        surfaces: &Surfaces,
-        range_m2: f32,
-        scratch: &mut [f32],
-    ) -> RowNoise {
-        let turn_rad = self.turn(line, above, surfaces, range_m2, scratch).unwrap_or(0.0);
-        RowNoise { range_m2, turn_rad, turn_rad2: 0.25 * self.variance_rad2() }
-    }
-
-    fn turn(
-        &mut self,
-        line: &Scanline,
-        above: &[u16],
-        surfaces: &Surfaces,
-        range_m2: f32,
+        areas: &Areas,
+        turn_rad: f32,
         scratch: &mut [f32],
     ) -> Option<f32> {
-        if line.fan.axis() == [0.0; 3] {
+        let found = self.find(line, above, areas, turn_rad, scratch);
+        if let (Some(now), Some(last)) = (found, self.last) {
+            let expected2 = expected2(line.fan.spins(), areas.rules);
+            self.learn(now.by - last.by, now.variance + last.variance, expected2);
+        }
+        self.last = found;
+        let by = found.filter(|found| found.is_off).map(|found| found.by);
+        self.last_rad = [turn_rad, by.unwrap_or(0.0)];
+        by
+    }
+
+    /// Whether the scanner went on by a turn that one plane alone tells.
+    fn went_on(&self, by: f32, turn_rad: f32, rules: &Rules) -> bool {
+        let [last_rad, last_by] = self.last_rad;
+        let step = turn_rad - last_rad;
+        let share = (step + by - last_by) / step;
+        step != 0.0 && share > rules.turn_alone_least && share < rules.turn_alone_most
+    }
+
+    fn find(&self, line: &Scanline, above: &[u16], areas: &Areas, turn_rad: f32, scratch: &mut [f32]) -> Option<Off> {
+        let rules = areas.rules;
+        let turns = line.fan.axis() != [0.0; 3];
+        if !turns && !line.fan.spins() {
             return None;
         }
-        let samples = scratch.as_chunks_mut::<2>().0;
-        let (count, weights) = sample(line, above, surfaces, range_m2, samples);
-        if count < 3 {
+        let expected = if turns { rules.turn_rad } else { rules.ring_m };
+        let samples = samples(line, above, areas, expected, scratch);
+        if samples.len() < 3 {
             return None;
         }
-        self.told += 1;
-        let turn_rad = estimate(part_mut(samples, 0..count), weights, range_m2, surfaces.rules)?;
-        self.off += 1;
-        self.squares_rad2 += turn_rad * turn_rad;
-        Some(turn_rad)
+        if let Some(off) = as_reported(samples, rules) {
+            return Some(off);
+        }
+        let off = estimate(samples, expected, rules);
+        let by = off.by;
+        let noise_rad = line.ranging.turn_noise_rad;
+        let known = noise_rad * noise_rad + self.told2(line.fan, rules);
+        let (gain, several) = explained(samples, by, areas);
+        let believed = gain > rules.turn_gain
+            && gain > rules.turn_gain_per_pixel * samples.len() as f32
+            && by.abs() < 2.0 * expected
+            && (several || self.went_on(by, turn_rad, rules) || by * by <= 9.0 * known);
+        believed.then_some(off)
     }
 }
 
-/// Range errors of the pixels whose planes tell the turn, metres, and how each changes with it,
-/// metres per radian. Returns how many there are, and the sum of their absolute slopes.
-fn sample(
+/// Variance of what rows are off by that is expected before any row tells.
+fn expected2(spins: bool, rules: &Rules) -> f32 {
+    let expected = if spins { rules.ring_prior_m } else { rules.turn_prior_rad };
+    expected * expected
+}
+
+/// The pixels that tell: those on a large plane, near enough to it for it to be off by what is
+/// expected, and which are then off by more than noise.
+fn samples<'s>(
     line: &Scanline,
     above: &[u16],
-    surfaces: &Surfaces,
-    range_m2: f32,
-    samples: &mut [[f32; 2]],
-) -> (usize, f32) {
-    let &Rules { turn_rad: expected_rad, turn_points, turn_rows, .. } = surfaces.rules;
-    let (mut count, mut weights) = (0, 0.0);
-    let mut known = (FULL, None);
-    let mut lanes = Lanes::EMPTY;
-    for from in (0..above.len()).step_by(CHUNK) {
-        line.lanes(from, &mut lanes);
-        for i in (0..CHUNK.min(above.len() - from)).step_by(TURN_STRIDE) {
-            let (slot, i) = (at(above, from + i), i % CHUNK);
-            if slot != known.0 {
-                let plane = surfaces.plane(slot).filter(|_| {
-                    let (rows, points) = surfaces.size(slot);
-                    rows >= turn_rows && points >= turn_points
-                });
-                known = (slot, plane.map(|plane| line.along(plane)));
-            }
-            let (range_m, Some([a, b, k, turned])) = (lanes.range_m[i], known.1) else { continue };
-            let error = range_m * (range_m * (lanes.cos[i] * a + lanes.sin[i] * b + k) - 1.0);
-            let slope = range_m * range_m * lanes.cos[i] * turned;
-            let tells = slope * slope * (expected_rad * expected_rad) >= range_m2;
-            if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * expected_rad) {
-                put(samples, count, [error, slope]);
+    areas: &Areas,
+    expected: f32,
+    scratch: &'s mut [f32],
+) -> &'s mut [Sample] {
+    let rules = areas.rules;
+    let turns = line.fan.axis() != [0.0; 3];
+    let samples = scratch.as_chunks_mut().0;
+    let mut count = 0;
+    let (mut known, mut along, mut cached) = (FULL, None, Cached::EMPTY);
+    let mut column = 0;
+    while column < above.len() {
+        let slot = at(above, column);
+        if slot != known {
+            let (rows, points) = if slot < FULL { areas.size(slot) } else { (0, 0) };
+            let large = rows >= rules.turn_rows && points >= rules.turn_points;
+            known = slot;
+            along = if large { areas.plane(slot).map(|plane| line.along(plane)) } else { None };
+        }
+        if let Some(Along { a, b, k, turned }) = along {
+            let pixel = cached.lone(line, column);
+            let range_m = pixel.range_m;
+            let inverse = inverse_sqrt(line.variance.at(range_m));
+            let error = inverse * range_m * (range_m * (pixel.cos * a + pixel.sin * b + k) - 1.0);
+            let slope = inverse * if turns { range_m * range_m * pixel.cos * turned } else { -1.0 };
+            let tells = slope * slope * expected * expected >= 1.0;
+            if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * expected) {
+                put(samples, count, [error, slope, f32::from(slot)]);
                 count += 1;
-                weights += slope.abs();
             }
         }
+        column += stride(above.len());
     }
-    (count, weights)
+    part_mut(samples, 0..count)
 }
 
-/// The turn that the samples tell, if it explains enough of their errors to be believed.
-fn estimate(samples: &mut [[f32; 2]], weights: f32, range_m2: f32, rules: &Rules) -> Option<f32> {
-    let &Rules { turn_rad: expected_rad, turn_off, .. } = rules;
-    let median_rad = weighted_median(samples, |[error, slope]| -error / slope, |[_, slope]| slope.abs(), 0.5 * weights);
-    let off = |sample: &[f32; 2], turn_rad: f32| {
-        let rest = sample[0] + turn_rad * sample[1];
-        rest * rest / range_m2
-    };
-    let (mut products, mut squares) = (0.0, range_m2 / (expected_rad * expected_rad));
-    for sample in samples.iter().filter(|sample| off(sample, median_rad) < turn_off) {
+/// What a row is off by that is where it is said to be, as most rows are: nine of ten samples are on
+/// their plane, and on the whole to neither side.
+fn as_reported(samples: &[Sample], rules: &Rules) -> Option<Off> {
+    let (mut products, mut squares, mut far) = (0.0, 1.0, 0);
+    for [error, slope, _] in samples.iter() {
+        if error * error < rules.turn_off {
+            products += error * slope;
+            squares += slope * slope;
+        } else {
+            far += 1;
+        }
+    }
+    let is_so = products * products < rules.turn_gain * squares && 10 * far < samples.len();
+    is_so.then_some(Off { by: -products / squares, variance: 1.0 / squares, is_off: false })
+}
+
+/// Square of what is left of an error once the row is off by so much.
+fn rest(sample: &Sample, by: f32) -> f32 {
+    let rest = sample[0] + by * sample[1];
+    rest * rest
+}
+
+/// What most samples agree on that the row is off by.
+fn estimate(samples: &mut [Sample], expected: f32, rules: &Rules) -> Off {
+    let half = 0.5 * samples.iter().map(|[_, slope, _]| slope.abs()).sum::<f32>();
+    let median = weighted_median(samples, |[error, slope, _]| -error / slope, |[_, slope, _]| slope.abs(), half);
+    let (mut products, mut squares) = (0.0, 1.0 / (expected * expected));
+    for sample in samples.iter().filter(|sample| rest(sample, median) < rules.turn_off) {
         products -= sample[0] * sample[1];
         squares += sample[1] * sample[1];
     }
-    let turn_rad = products / squares;
-    let gain: f32 =
-        samples.iter().map(|sample| off(sample, 0.0).min(turn_off) - off(sample, turn_rad).min(turn_off)).sum();
-    let believed = gain > rules.turn_gain
-        && gain > rules.turn_gain_per_pixel * samples.len() as f32
-        && turn_rad.abs() < 2.0 * expected_rad;
-    believed.then_some(turn_rad)
+    Off { by: products / squares, variance: 1.0 / squares, is_off: true }
 }
 
-/// Rounds after which the median is good enough: some seven are needed for a hundred samples.
-const ROUNDS: usize = 32;
-
-/// The least key for which the weights of the keys up to it reach `half`. Leaves the samples in
-/// another order.
-fn weighted_median(
-    samples: &mut [[f32; 2]],
-    key: impl Fn([f32; 2]) -> f32,
-    weight: impl Fn([f32; 2]) -> f32,
-    half: f32,
-) -> f32 {
-    let (mut low, mut high, mut below, mut pivot) = (0, samples.len(), 0.0, 0.0);
-    for _ in 0..ROUNDS {
-        if low >= high {
-            break;
-        }
-        pivot = key(at(samples, (low + high) / 2));
-        // in three parts: less than the pivot up to `less`, more from `more` on
-        let (mut less, mut next, mut more) = (low, low, high);
-        let (mut lighter, mut equal) = (0.0, 0.0);
-        while next < more {
-            let sample = at(samples, next);
-            if key(sample) < pivot {
-                lighter += weight(sample);
-                swap(samples, next, less);
-                less += 1;
-                next += 1;
-            } else if key(sample) > pivot {
-                more -= 1;
-                swap(samples, next, more);
-            } else {
-                equal += weight(sample);
-                next += 1;
-            }
-        }
-        if below + lighter >= half {
-            high = less;
-        } else if below + lighter + equal >= half {
-            break;
-        } else {
-            below += lighter + equal;
-            low = more;
+/// Squares that it explains that the row is off by so much, and whether it explains some on two
+/// planes that are not parallel.
+fn explained(samples: &[Sample], by: f32, areas: &Areas) -> (f32, bool) {
+    let rules = areas.rules;
+    let mut planes = [(0.0f32, NONE); TURN_PLANES];
+    let mut gain = 0.0;
+    for sample in samples {
+        let more = rest(sample, 0.0).min(rules.turn_off) - rest(sample, by).min(rules.turn_off);
+        gain += more;
+        let slot = sample[2] as u16;
+        if let Some(known) = planes.iter_mut().find(|plane| plane.1 == slot || plane.1 == NONE) {
+            *known = (known.0 + more, slot);
         }
     }
-    pivot
-}
-
-#[cfg(test)]
-mod tests {
-    /// Against sorting, for keys that are all different and ones that are not.
-    #[test]
-    fn medians() {
-        for count in 1..60_u32 {
-            for different in [1, 5, 61] {
-                let samples: std::vec::Vec<_> =
-                    (0..count).map(|i| [(i * 17 % different) as f32, (i * 7 % 11 + 1) as f32]).collect();
-                let half = 0.5 * samples.iter().map(|sample| sample[1]).sum::<f32>();
-                let mut sorted = samples.clone();
-                sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-                let mut sum = 0.0;
-                let expected = sorted.iter().find(|sample| {
-                    sum += sample[1];
-                    sum >= half
-                });
-                let median = super::weighted_median(&mut samples.clone(), |[key, _]| key, |[_, weight]| weight, half);
-                assert_eq!(Some(median), expected.map(|sample| sample[0]), "{count} {different}");
-            }
-        }
+    let best = planes.iter().fold((0.0, NONE), |best, plane| if plane.0 > best.0 { *plane } else { best });
+    if best.1 == NONE {
+        return (gain, false);
     }
+    let one = areas.m(best.1);
+    let several = planes.iter().filter(|&&(gain, slot)| slot != NONE && gain > rules.turn_other).any(|&(_, slot)| {
+        let other = areas.m(slot);
+        let cos = dot(one, other);
+        cos * cos < rules.turn_cos_square * dot(one, one) * dot(other, other)
+    });
+    (gain, several)
 }

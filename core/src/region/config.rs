@@ -78,6 +78,12 @@ impl RegionConfig {
         }
     }
 
+    /// The memory that images of `columns` columns need with a table of so many areas.
+    #[must_use]
+    pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
+        Sizes { areas, ..self.sizes(columns) }
+    }
+
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         self.ranging.check()?;
         within("line_angle_rad", self.line_angle_rad, self.line_angle_rad > 0.0 && self.line_angle_rad <= FRAC_PI_2)?;

@@ -3,8 +3,15 @@
 
 use core::ops::Range;
 
+use crate::row::within::at;
+
 /// Columns per word, and per chunk of every row loop.
 pub(crate) const CHUNK: usize = 32;
+
+/// Whether the target works on several numbers at once. Where it does not, loops leave out elements
+/// that do not count; the results are the same.
+pub(crate) const VECTORS: bool =
+    cfg!(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128", target_feature = "v"));
 
 /// Words of a packed row.
 pub(crate) const fn words(columns: usize) -> usize {
@@ -29,6 +36,28 @@ pub(crate) fn pack(flags: &[bool; CHUNK]) -> u32 {
         word |= (gathered as u32) << (8 * i);
     }
     word
+}
+
+/// Packs a condition of 32 columns.
+#[inline(always)]
+pub(crate) fn pack_where(holds: impl Fn(usize) -> bool) -> u32 {
+    if VECTORS {
+        return pack(&core::array::from_fn(holds));
+    }
+    (0..CHUNK).rev().fold(0, |word, i| word << 1 | u32::from(holds(i)))
+}
+
+/// The number of set bits among some columns.
+pub(crate) fn count_bits(words: &[u32], columns: &Range<usize>) -> u32 {
+    let (mut count, mut from) = (0, columns.start);
+    while from < columns.end {
+        let (word, first) = (from / CHUNK, from % CHUNK);
+        let width = (CHUNK - first).min(columns.end - from);
+        let bits = at(words, word) >> first << (CHUNK - width);
+        count += bits.count_ones();
+        from += width;
+    }
+    count
 }
 
 /// The chunk that starts at column `from`, in place; where the row ends within it, a copy with

@@ -17,6 +17,14 @@ fn cos_sin(x_rad: f32) -> (f32, f32) {
     (cos, sin)
 }
 
+/// Cosine and sine within its row of the beam of a pinhole's column; `v` is the height of the row.
+#[inline(always)]
+fn pinhole(fx_px: f32, cx_px: f32, v: f32, column: usize) -> (f32, f32) {
+    let u = -(column as f32 - cx_px) / fx_px;
+    let cos = inverse_sqrt(1.0 + u * u + v * v);
+    (cos, u * cos)
+}
+
 /// What is known of one row: its number and its angle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RowBeam {
@@ -60,19 +68,51 @@ impl<'a> Fan<'a> {
         matches!(self.beams, Beams::Spinning { wraps: true, .. })
     }
 
+    /// Whether rows are the rings of a spinning scanner.
+    pub fn spins(&self) -> bool {
+        matches!(self.beams, Beams::Spinning { .. })
+    }
+
+    /// Cosine and sine of an evenly spaced column, which may lie outside: the addition theorem along
+    /// the binary digits of its number.
+    fn first(&self, column: isize) -> (f32, f32) {
+        let mut first = self.start;
+        let mut digits = column.unsigned_abs();
+        while let Some(&(ck, sk)) = self.steps.get(digits.trailing_zeros() as usize) {
+            first = add(first, (ck, if column < 0 { -sk } else { sk }));
+            digits &= digits - 1;
+        }
+        first
+    }
+
+    /// Cosine and sine of a beam within its row: just those of [`Fan::row_lanes`], for one that is
+    /// needed alone.
+    pub fn row_beam(&self, frame: &Frame, column: usize) -> (f32, f32) {
+        match &self.beams {
+            Beams::Nodding { columns: Columns::Even { .. }, .. }
+            | Beams::Spinning { columns: Columns::Even { .. }, .. } => {
+                let i = column % CHUNK;
+                let mut first = self.first((column - i) as isize);
+                for _ in 0..i / 8 {
+                    first = add(first, self.steps[3]);
+                }
+                add(first, (self.base.0[i % 8], self.base.1[i % 8]))
+            }
+            Beams::Nodding { columns: Columns::Listed(list), .. }
+            | Beams::Spinning { columns: Columns::Listed(list), .. } => {
+                list.get(column).map_or((1.0, 0.0), |&angle_rad| cos_sin(angle_rad))
+            }
+            &Beams::Pinhole { fx_px, cx_px, .. } => pinhole(fx_px, cx_px, frame.p[2], column),
+        }
+    }
+
     /// Cosines and sines of the column angles of a chunk that starts at column `from`, which may
     /// lie outside.
     pub fn cos_sin(&self, columns: &Columns, from: isize, cos: &mut Lane, sin: &mut Lane) {
         match *columns {
             Columns::Even { .. } => {
-                // no sine or cosine per row: the addition theorem, along the binary digits of the
-                // chunk's first column, then to eight columns at a time
-                let mut first = self.start;
-                let mut digits = from.unsigned_abs();
-                while let Some(&(ck, sk)) = self.steps.get(digits.trailing_zeros() as usize) {
-                    first = add(first, (ck, if from < 0 { -sk } else { sk }));
-                    digits &= digits - 1;
-                }
+                // no sine or cosine per row: the addition theorem, eight columns at a time
+                let mut first = self.first(from);
                 for eight in cos.as_chunks_mut::<8>().0.iter_mut().zip(sin.as_chunks_mut::<8>().0) {
                     for i in 0..8 {
                         eight.0[i] = first.0 * self.base.0[i] - first.1 * self.base.1[i];
@@ -115,9 +155,7 @@ impl<'a> Fan<'a> {
             &Beams::Pinhole { fx_px, cx_px, .. } => {
                 let v = frame.p[2];
                 for i in 0..CHUNK {
-                    let u = -((from + i) as f32 - cx_px) / fx_px;
-                    cos[i] = inverse_sqrt(1.0 + u * u + v * v);
-                    sin[i] = u * cos[i];
+                    (cos[i], sin[i]) = pinhole(fx_px, cx_px, v, from + i);
                 }
             }
         }

@@ -29,10 +29,6 @@ pub const MPS2: Settings = settings(Variant::Deg180Step05);
 /// The scanner of the image `microbit`: 181 columns.
 pub const MICROBIT: Settings = settings(Variant::Deg180Step1);
 
-/// Live labels of the image `microbit`. 91 are enough for every image of 181 columns; these fit its
-/// memory.
-pub const MICROBIT_AREAS: usize = 48;
-
 /// How far the tilt turns from one telegram to the next, radians: that of the recorded scan.
 pub const ROW_RAD: f32 = 0.516_889 * core::f32::consts::PI / 180.0;
 
@@ -129,8 +125,8 @@ pub fn run<R: Read, W: Write>(
     }));
     #[cfg(feature = "defmt")]
     let mut scans = 0;
+    let mut piece = [0; PIECE];
     loop {
-        let mut piece = [0; PIECE];
         if let Err(end) = scanner.read_exact(&mut piece) {
             return end;
         }

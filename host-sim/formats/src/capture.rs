@@ -27,6 +27,7 @@ use scanseg_hal::pairing::BeamAges;
 use scanseg_hal::rig::TiltLimits;
 
 use crate::geometry::{Angles, Geometry, Kind, TurnAxis};
+use crate::noise::Noise;
 
 /// First line of a capture.
 pub const HEAD: &str = "scanseg capture 1";
@@ -225,6 +226,7 @@ pub fn geometry_on_tilt(variant: Variant) -> Geometry {
         min_range_m: None,
         max_range_m: None,
         range_noise_m: None,
+        noise: Noise::NONE,
         kind: Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y },
     }
 }

@@ -7,6 +7,8 @@ use std::fmt;
 
 pub use scanseg_core::TurnAxis;
 
+use crate::noise::Noise;
+
 /// Angles of the rows or of the columns of a range image, in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Angles {
@@ -89,6 +91,8 @@ pub struct Geometry {
     pub max_range_m: Option<f64>,
     /// Standard deviation of one range, metres.
     pub range_noise_m: Option<f64>,
+    /// Further errors of the scanner.
+    pub noise: Noise,
     /// Where the beams point.
     pub kind: Kind,
 }
@@ -162,6 +166,10 @@ impl Geometry {
         }
         if let Some(m) = self.range_noise_m {
             number("range_noise_m", m, m >= 0.0, "finite and not below 0")?;
+        }
+        for ((key, value), (_, none)) in { self.noise }.keys().into_iter().zip({ Noise::NONE }.keys()) {
+            let rule = if *none == 0.0 { "finite and not below 0" } else { "finite and not below 1" };
+            number(key, *value, *value >= *none, rule)?;
         }
         match &self.kind {
             Kind::Nodding { beam_deg, turn_deg, .. } => {

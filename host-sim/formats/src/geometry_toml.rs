@@ -10,6 +10,8 @@ use toml::{Table, Value};
 
 use crate::file::FileError;
 use crate::geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+use crate::noise::Noise;
+use crate::sensors::{KNOWN, Sensor};
 
 const NODDING: &str = "nodding";
 const SPINNING: &str = "spinning";
@@ -38,7 +40,12 @@ impl Geometry {
         let no_return = keys.take("no_return").map_or(Ok(Vec::new()), counts)?;
         let min_range_m = keys.optional_number("min_range_m")?;
         let max_range_m = keys.optional_number("max_range_m")?;
-        let range_noise_m = keys.optional_number("range_noise_m")?;
+        let sensor = keys.sensor()?;
+        let range_noise_m = keys.optional_number("range_noise_m")?.or(sensor.map(|sensor| sensor.range_noise_m()));
+        let mut noise = sensor.map_or(Noise::NONE, |sensor| sensor.noise());
+        for (key, value) in noise.keys() {
+            *value = keys.optional_number(key)?.unwrap_or(*value);
+        }
         let (kind_name, kind) =
             keys.word("kind", &[NODDING, SPINNING, PINHOLE], "one of nodding, spinning, pinhole").and_then(|name| {
                 let kind = match name {
@@ -50,7 +57,7 @@ impl Geometry {
             })?;
         keys.finish(kind_name)?;
 
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, kind };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
         geometry.check()?;
         Ok(geometry)
     }
@@ -66,7 +73,8 @@ impl Geometry {
     }
 
     /// Returns the text of a geometry file from which [`Geometry::parse`] makes an equal geometry,
-    /// provided that it passes [`Geometry::check`].
+    /// provided that it passes [`Geometry::check`]. The numbers of a sensor that was named are
+    /// written out.
     pub fn to_toml(&self) -> String {
         let mut text = format!("version = 1\nunit_m = {:?}\nno_return = {:?}\n", self.unit_m, self.no_return);
         // Writing to a string cannot fail; `{:?}` of an f64 is the shortest text that reads back as
@@ -82,6 +90,11 @@ impl Geometry {
         for (key, value) in limits {
             if let Some(m) = value {
                 line(key, format!("{m:?}"));
+            }
+        }
+        for ((key, value), (_, none)) in { self.noise }.keys().into_iter().zip({ Noise::NONE }.keys()) {
+            if *value != *none {
+                line(key, format!("{value:?}"));
             }
         }
         match &self.kind {
@@ -195,6 +208,17 @@ impl Keys {
                 words.iter().copied().find(|w| *w == found).ok_or_else(|| GeometryError::value(key, found, rule))
             }
             other => Err(type_error(key, rule, &other)),
+        }
+    }
+
+    /// The sensor that the file names.
+    fn sensor(&mut self) -> Result<Option<Sensor>, GeometryError> {
+        match self.take("sensor") {
+            None => Ok(None),
+            Some(Value::String(name)) => {
+                Sensor::named(&name).map(Some).ok_or_else(|| GeometryError::value("sensor", name, KNOWN))
+            }
+            Some(other) => Err(type_error("sensor", KNOWN, &other)),
         }
     }
 

@@ -5,13 +5,17 @@ pub mod file;
 pub mod geometry;
 mod geometry_toml;
 pub mod grey_image;
+mod noise;
 pub mod range_image;
+mod sensors;
 
 pub use capture::{Capture, CaptureError};
 pub use file::{FileError, write_all_or_none, write_atomic};
 pub use geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
 pub use grey_image::{GreyImage, ImageError};
+pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};
+pub use sensors::{SENSORS, Sensor};
 
 /// Compiles the example of the README.
 #[cfg(doctest)]

@@ -1,6 +1,6 @@
 //! Geometry files: what is refused and how it is said, exact round trips.
 use proptest::prelude::*;
-use scanseg_formats::{Angles, Depth, Geometry, Kind, TurnAxis};
+use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, SENSORS, TurnAxis};
 
 const SPINNING: &str = "version = 1
 unit_m = 0.001
@@ -41,6 +41,7 @@ fn each_kind_is_read() {
             min_range_m: None,
             max_range_m: None,
             range_noise_m: None,
+            noise: Noise::NONE,
             kind: Kind::Spinning {
                 azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
                 elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
@@ -126,6 +127,13 @@ fn what_is_wrong_is_named() {
         (NODDING, "= 0.48", "= -0.5", "`min_range_m` is -0.5, must be finite and not below 0"),
         (NODDING, "= 80", "= 0.48", "`max_range_m` is 0.48, must be finite and above 0 and above `min_range_m`"),
         (NODDING, "= 0.01", "= -0.01", "`range_noise_m` is -0.01, must be finite and not below 0"),
+        (
+            NODDING,
+            "range_noise_m = 0.01",
+            "sensor = 3",
+            "`sensor` must be one of sick-lms200, kinect-v1, realsense-d435, \
+          azure-kinect, ouster-os0, ouster-os1, velodyne-vlp16, ld06, not an integer",
+        ),
         (PINHOLE, "519.226", "0.0", "`fx` is 0.0, must be finite and not 0"),
         (PINHOLE, "479.462", "0", "`fy` is 0.0, must be finite and not 0"),
         (PINHOLE, "522.23", "inf", "`cx` is inf, must be finite"),
@@ -218,6 +226,23 @@ fn kind() -> impl Strategy<Value = Kind> {
     ]
 }
 
+/// Some of the errors of a scanner.
+fn noise() -> impl Strategy<Value = Noise> {
+    let some = || prop_oneof![Just(0.0), 1e-9..1.0];
+    (some(), some(), some(), some(), some(), some(), prop_oneof![Just(1.0), 1.0..9.0]).prop_map(
+        |(range_noise_per_m, range_noise_per_m2, range_step_m, beam_noise_deg, turn_noise_deg, flatness_m, px)| Noise {
+            range_noise_per_m,
+            range_noise_per_m2,
+            range_step_m,
+            range_step_per_m2: 0.5 * range_step_m,
+            noise_correlation_px: px,
+            beam_noise_deg,
+            turn_noise_deg,
+            flatness_m,
+        },
+    )
+}
+
 proptest! {
     #[test]
     fn a_geometry_survives_its_file(
@@ -226,9 +251,10 @@ proptest! {
         min_range_m in prop::option::of(0.0..1.0),
         max_range_m in prop::option::of(1.0..1e9),
         range_noise_m in prop::option::of(0.0..1.0),
+        noise in noise(),
         kind in kind(),
     ) {
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, kind };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
         prop_assert_eq!(Geometry::parse(&geometry.to_toml()), Ok(geometry));
     }
 
@@ -237,5 +263,40 @@ proptest! {
         if let Err(e) = Geometry::parse(&text) {
             prop_assert!(!e.to_string().contains('\n'));
         }
+    }
+}
+
+#[test]
+fn a_named_sensor_states_what_the_file_does_not() {
+    let with = |lines: &str| Geometry::parse(&NODDING.replace("range_noise_m = 0.01", lines));
+    let Geometry { range_noise_m, noise, .. } = with("sensor = 'kinect-v1'").unwrap();
+    let kinect =
+        Noise { range_noise_per_m2: 0.00116, range_step_per_m2: 0.00285, noise_correlation_px: 4.0, ..Noise::NONE };
+    assert_eq!((range_noise_m, noise), (Some(0.0), kinect));
+    // the keys of the file win
+    let lines = "sensor = 'kinect-v1'\nrange_noise_m = 0.002\nrange_step_per_m2 = 0\nturn_noise_deg = 0.1";
+    let Geometry { range_noise_m, noise, .. } = with(lines).unwrap();
+    assert_eq!((range_noise_m, noise), (Some(0.002), Noise { range_step_per_m2: 0.0, turn_noise_deg: 0.1, ..kinect }));
+    // and read back as they were
+    for sensor in SENSORS {
+        let geometry = with(&format!("sensor = '{}'", sensor.name)).unwrap();
+        assert_eq!(Geometry::parse(&geometry.to_toml()).unwrap(), geometry);
+    }
+    let unknown = with("sensor = 'kinect'").unwrap_err().to_string();
+    assert!(unknown.starts_with("`sensor` is kinect, must be one of sick-lms200, kinect-v1, "), "{unknown}");
+}
+
+#[test]
+fn examples_of_the_documentation_are_geometry_files() {
+    let page = include_str!("../../../docs/scan-format.md");
+    let examples: Vec<_> = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let kinds = examples.iter().map(|text| match Geometry::parse(text).unwrap().kind {
+        Kind::Nodding { .. } => "nodding",
+        Kind::Spinning { .. } => "spinning",
+        Kind::Pinhole { .. } => "pinhole",
+    });
+    assert!(kinds.eq(["nodding", "pinhole", "spinning"]));
+    for sensor in SENSORS {
+        assert!(page.contains(&format!("\n| `{}` | ", sensor.name)), "{}", sensor.name);
     }
 }

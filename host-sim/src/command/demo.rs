@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
     let input = Input { name: "simulated office".to_string(), geometry, ranges, counts };
     let config = arguments.options.config(&input.geometry)?;
-    let (mut files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
+    let (mut files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     files.push(("scan.png".to_string(), image.to_png()));
     files.push(("scan.pgm".to_string(), image.to_pgm()));
     files.push(("geometry.toml".to_string(), input.geometry.to_toml().into_bytes()));

@@ -22,6 +22,8 @@ pub struct Header {
     pub columns: usize,
     /// Pixels with a return, within the limits of the range.
     pub returns: usize,
+    /// Counts that are ranges outside of those limits: no returns.
+    pub outside_limits: usize,
     /// Pixels of edges after the closing.
     pub edge_pixels: usize,
     /// Pixels in segments of whatever size.
@@ -130,6 +132,15 @@ impl Listing {
             "{} x {} pixels, {} with a return, {} on edges; {} segments, {} of them with {} pixels or more",
             h.rows, h.columns, h.returns, h.edge_pixels, h.segments_found, h.segments_listed, h.min_pixels
         );
+        if h.outside_limits > h.returns {
+            let Configuration { min_range_m, max_range_m, .. } = &h.configuration;
+            let _ = writeln!(
+                text,
+                "warning: {} of {} counts lie outside {min_range_m} m to {max_range_m} m: is unit_m right?",
+                h.outside_limits,
+                h.outside_limits + h.returns
+            );
+        }
         if h.unlabelled_pixels > 0 {
             let _ = writeln!(
                 text,

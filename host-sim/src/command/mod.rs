@@ -8,6 +8,7 @@ mod input;
 mod listen;
 mod lists;
 mod messages;
+mod noise;
 mod office;
 mod options;
 mod output;

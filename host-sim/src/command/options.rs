@@ -4,11 +4,14 @@ use clap::{Args, ValueEnum};
 use scanseg_core::{
     AnyConfig, Approach, ConfigError, EdgeConfig, Element, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig, Trace,
 };
-use scanseg_formats::{Depth, Geometry, Kind};
-use scanseg_sim::segmentation::SegmentationError;
+use scanseg_formats::{Depth, Geometry, Kind, Noise, SENSORS, Sensor};
+use scanseg_sim::segmentation::{self, SegmentationError, stated_noise_m};
 use serde::Serialize;
 
 use crate::command::output::Failure;
+
+/// Edges and regions take the noise that is stated of this range for that of all.
+const USUAL_RANGE_M: f32 = 3.0;
 
 #[derive(Args)]
 pub struct Options {
@@ -18,10 +21,13 @@ pub struct Options {
     /// How the scan is segmented [default: as the other options need it, or that of the preset]
     #[arg(long, value_enum)]
     approach: Option<ApproachOption>,
-    /// Standard deviation of one range, metres [default: that of the geometry file, or of the
-    /// preset]
+    /// Standard deviation of one range, metres [default: that of the geometry file; else measured
+    /// in the scan, or, by edges and by regions, 0.01]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub range_noise_m: Option<f64>,
+    /// Take the errors of this sensor in place of those of the geometry file
+    #[arg(long, value_name = "NAME", value_parser = parse_sensor)]
+    sensor: Option<Sensor>,
     /// Nearer ranges count as no return [default: that of the geometry file, or of the preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     min_range_m: Option<f64>,
@@ -52,7 +58,7 @@ pub struct Options {
     /// preset]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     plane_distance_m: Option<f32>,
-    /// Size of the table of live labels [default: enough for any image]
+    /// Size of the table of live labels [default: enough for any image; by planes twice the columns]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_labels: Option<u32>,
 }
@@ -92,7 +98,7 @@ impl Options {
         if let Some((option, needed)) = self.given().find(|&(_, needed)| needed != approach) {
             return Err(format!("{option} needs --approach {}", name(needed)).into());
         }
-        let ranging = self.ranging(geometry);
+        let ranging = self.ranging(geometry, approach);
         Ok(match approach {
             Approach::Plane => PlaneConfig::new(ranging).into(),
             Approach::Edge => self.edge_config(ranging).into(),
@@ -100,7 +106,24 @@ impl Options {
         })
     }
 
-    fn ranging(&self, geometry: &Geometry) -> Ranging {
+    /// Returns the errors that are stated of the scanner: the constant noise of its ranges, 0 for
+    /// none, and the others.
+    fn errors(&self, geometry: &Geometry) -> (f64, Noise) {
+        let (range_noise_m, noise) = match &self.sensor {
+            Some(sensor) => (Some(sensor.range_noise_m()), sensor.noise()),
+            None => (geometry.range_noise_m, geometry.noise),
+        };
+        (self.range_noise_m.or(range_noise_m).unwrap_or(0.0), noise)
+    }
+
+    /// Returns whether anything is stated of the noise of the ranges.
+    pub fn states_noise(&self, geometry: &Geometry) -> bool {
+        let (range_noise_m, noise) = self.errors(geometry);
+        let Noise { range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2, .. } = noise;
+        [range_noise_m, range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2].iter().any(|&x| x > 0.0)
+    }
+
+    fn ranging(&self, geometry: &Geometry, approach: Approach) -> Ranging {
         let preset = EdgeConfig::paper().ranging;
         // The range image already lacks what is outside of the geometry's limits, which for depths
         // along a camera's axis are no limits of the range.
@@ -110,8 +133,14 @@ impl Options {
         let given = |option: Option<f64>, in_file: Option<f32>, preset: f32| {
             option.map(|m| m as f32).or(in_file).unwrap_or(preset)
         };
-        let noise_m = geometry.range_noise_m.map(|m| m as f32);
-        Ranging::new(given(self.range_noise_m, noise_m, preset.range_noise_m)).with_limits(
+        let (noise_m, noise) = self.errors(geometry);
+        let mut ranging = segmentation::ranging(noise_m as f32, &noise);
+        if approach != Approach::Plane {
+            // one number must do
+            let stated = self.states_noise(geometry);
+            ranging.range_noise_m = if stated { stated_noise_m(&ranging, USUAL_RANGE_M) } else { preset.range_noise_m };
+        }
+        ranging.with_limits(
             given(self.min_range_m, geometry.min_range_m.map(no_minimum), preset.min_range_m),
             given(self.max_range_m, geometry.max_range_m.map(maximum), preset.max_range_m),
         )
@@ -175,6 +204,10 @@ impl Options {
     }
 }
 
+fn parse_sensor(name: &str) -> Result<Sensor, String> {
+    Sensor::named(name).ok_or_else(|| format!("not one of {}", SENSORS.map(|sensor| sensor.name).join(", ")))
+}
+
 /// `row`, `2x-2`, `column*3`.
 fn parse_trace(text: &str) -> Result<Trace, String> {
     let (name, factor) = text.split_once('*').unwrap_or((text, "1"));
@@ -236,8 +269,8 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
 pub struct Configuration {
     approach: &'static str,
     range_noise_m: f32,
-    min_range_m: f32,
-    max_range_m: f32,
+    pub min_range_m: f32,
+    pub max_range_m: f32,
     roof_angle_deg: f32,
     step_angle_deg: f32,
     traces: Vec<String>,

@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let refused = |e: SegmentationError| in_terms_of_options(&name, e);
     let beams = ScanBeams::new(&geometry, rows, columns).map_err(|e| refused(e.into()))?;
     let config = arguments.options.config(&geometry)?;
-    let mut memory = OwnedMemory::new(config.sizes(columns), arguments.options.max_labels());
+    let mut memory = OwnedMemory::new(config, columns, arguments.options.max_labels());
     let segmenter =
         AnySegmenter::new(config, beams.beams(), columns, memory.memory()).map_err(|e| refused(e.into()))?;
     let mut rows_m = vec![0.0; 2 * columns];

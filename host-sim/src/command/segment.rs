@@ -12,6 +12,7 @@ use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::input::Input;
 use crate::command::lists::{Entry, Header, Listing};
+use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
 
@@ -47,23 +48,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
     input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
-    let (files, summary) = segment(&input, config, arguments.options.max_labels(), &arguments.lists)?;
+    let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a range image. Returns the files to write, and what to print.
+/// Segments a range image. Returns the files to write, and what to print. Warns of a noise that
+/// does not fit.
 pub fn segment(
     input: &Input,
     config: AnyConfig<'_>,
-    max_labels: Option<usize>,
+    options: &Options,
     lists: &ListOptions,
 ) -> Result<(Files, String), Failure> {
     let (rows, columns) = (input.ranges.rows, input.ranges.columns);
     let runs = if config.approach() == Approach::Edge { 3 } else { 1 };
     let bar = if rows * columns > LONG_SCAN { bar(runs * rows) } else { ProgressBar::hidden() };
     let run = |config: AnyConfig<'_>| {
-        Segmentation::of(&input.ranges, &input.geometry, config, max_labels, || bar.inc(1))
+        Segmentation::of(&input.ranges, &input.geometry, config, options.max_labels(), || bar.inc(1))
             .map_err(|e| in_terms_of_options(&input.name, e))
     };
     let started = Instant::now();
@@ -101,7 +103,10 @@ pub fn segment(
         ("segments.json", listing.json()?),
     ];
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
-    let summary = format!("{}segmented in {:.1} ms, {per_point_ns:.0} ns per point\n", listing.table(), 1e3 * seconds);
+    let stated = options.states_noise(&input.geometry);
+    noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
+    let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
+    let summary = format!("{table}{noise}\nsegmented in {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 
@@ -156,11 +161,13 @@ fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, m
     let ranging = config.ranging();
     let listed = segmentation.of_pixels(min_pixels);
     let is_return = |range_m: &&f32| (ranging.min_range_m..=ranging.max_range_m).contains(*range_m);
+    let returns = input.ranges.range_m.iter().filter(is_return).count();
     Listing {
         header: Header {
             rows: segmentation.rows,
             columns: segmentation.columns,
-            returns: input.ranges.range_m.iter().filter(is_return).count(),
+            returns,
+            outside_limits: input.ranges.range_m.iter().filter(|&&range_m| range_m > 0.0).count() - returns,
             edge_pixels: segmentation.closed_edges.iter().filter(|&&edge| edge).count(),
             segment_pixels: segmentation.segments.iter().map(|s| s.pixels() as usize).sum(),
             unlabelled_pixels: segmentation.unlabelled,

@@ -1,7 +1,7 @@
 //! Made-up results for tests.
 
 use scanseg_core::TurnAxis;
-use scanseg_formats::{Angles, Geometry, Kind, RangeImage};
+use scanseg_formats::{Angles, Geometry, Kind, Noise, RangeImage};
 
 use crate::experiment::cost::Cost;
 use crate::experiment::counts::Counts;
@@ -45,6 +45,7 @@ pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
         min_range_m: None,
         max_range_m: None,
         range_noise_m: None,
+        noise: Noise::NONE,
         kind: Kind::Nodding { beam_deg: even.clone(), turn_deg: even, turn_axis: TurnAxis::Y },
     };
     let sample = Sample {

@@ -42,6 +42,25 @@ pub(super) fn lay_out(set: Set, number: u32) -> Laid {
     (room.builder, position, heading_deg)
 }
 
+/// Lays out a hall: 30 m long, with columns, and piles, cupboards and desks along its walls.
+pub(super) fn lay_out_hall(set: Set, number: u32) -> Laid {
+    let mut rng = Rng::new([0x6861_6c6c, u64::from(number), set as u64]);
+    let (length, width, height) = (rng.between(28.0, 32.0), rng.between(16.0, 20.0), rng.between(5.0, 7.0));
+    let position = [rng.between(2.0, 8.0), rng.between(0.35, 0.65) * width, rng.between(0.8, 1.6)];
+    let heading_deg = rng.between(-30.0, 30.0);
+    let mut room = Room::new([length, width, height], position, rng);
+    (1..4).for_each(|wall| room.door(wall));
+    (1..4).for_each(|wall| room.window(wall));
+    some(&mut room, 4..=6, |room| column(room, false));
+    some(&mut room, 1..=3, |room| column(room, true));
+    some(&mut room, 5..=9, |room| box_pile(room, 4));
+    some(&mut room, 4..=8, cupboard);
+    some(&mut room, 2..=4, desk_at_wall);
+    some(&mut room, 1..=2, beam);
+    room.shell();
+    (room.builder, position, heading_deg)
+}
+
 /// A desk with its back at a wall.
 fn desk_at_wall(room: &mut Room) {
     let size = [room.rng.between(0.7, 0.8), room.rng.between(1.4, 1.8), room.rng.between(0.68, 0.78)];

@@ -25,7 +25,9 @@ mod room;
 mod scene;
 mod sensor;
 mod set;
+mod troubles;
 
 pub use scene::Scene;
 pub use sensor::{Sensor, SensorError, SimulatedScan};
 pub use set::{SCENES, Set};
+pub use troubles::{Missing, Trouble};

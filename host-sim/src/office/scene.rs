@@ -1,7 +1,9 @@
 //! A furnished room and where the scanner stands in it.
 
+use std::collections::BTreeMap;
+
 use crate::office::body::{Body, Place, Vector, dot};
-use crate::office::layouts::lay_out;
+use crate::office::layouts::{Laid, lay_out, lay_out_hall};
 use crate::office::set::Set;
 
 /// A furnished room and the scanner's stand in it. The scanner's frame: x forward, y left, z up,
@@ -20,8 +22,40 @@ impl Scene {
     /// Scene `number` of a set. The sets count from 0 to [`SCENES`](crate::office::SCENES) - 1;
     /// higher numbers are further scenes of the same kinds.
     pub fn numbered(set: Set, number: u32) -> Self {
-        let (builder, position, heading_deg) = lay_out(set, number);
+        Self::of(lay_out(set, number), set, number)
+    }
+
+    /// Hall `number` of a set: 30 m long. Ranges need a coarser unit than the usual one:
+    /// [`Sensor::quantisation_m`](crate::office::Sensor::quantisation_m) of 1 mm reaches 65 m.
+    pub fn hall(set: Set, number: u32) -> Self {
+        Self::of(lay_out_hall(set, number), set, number)
+    }
+
+    fn of((builder, position, heading_deg): Laid, set: Set, number: u32) -> Self {
         Self { bodies: builder.bodies, position, heading: Place::new(0.0, 0.0, heading_deg), set, number }
+    }
+
+    /// The same with the scanner along the room: the walls are square to it.
+    #[must_use]
+    pub fn squared(self) -> Self {
+        Self { heading: Place::new(0.0, 0.0, 0.0), ..self }
+    }
+
+    /// Returns the truth with one region for each plane: the ids of surfaces that lie on one
+    /// infinite plane become the lowest of them.
+    pub fn planes_of(&self, truth: &[u16]) -> Vec<u16> {
+        let mut seen: BTreeMap<u16, u16> = truth.iter().map(|&id| (id, id)).collect();
+        let mut planes: Vec<(u16, [f64; 3], f64)> = vec![];
+        for (&id, region) in &mut seen {
+            let Some((normal, distance_m)) = self.plane(id) else { continue };
+            let same =
+                |(_, n, d): &&(u16, [f64; 3], f64)| dot(*n, normal) > 1.0 - 1e-9 && (d - distance_m).abs() < 1e-6;
+            match planes.iter().find(same) {
+                Some(&(first, ..)) => *region = first,
+                None => planes.push((id, normal, distance_m)),
+            }
+        }
+        truth.iter().map(|id| seen[id]).collect()
     }
 
     /// Returns the first surface that a beam meets: range in metres and surface id. `direction` is
@@ -80,6 +114,33 @@ mod tests {
             with_window += u32::from(lost > 10);
         }
         assert!(with_window >= 40, "{with_window} of 50 rooms have a window in view");
+    }
+
+    #[test]
+    fn surfaces_on_one_plane_are_one_region() {
+        let scene = Scene::numbered(Set::Tuning, 1);
+        let ids: Vec<u16> = (1..400).filter(|&id| scene.plane(id).is_some()).collect();
+        let merged = scene.planes_of(&ids);
+        assert!(merged.iter().zip(&ids).any(|(region, id)| region != id), "desks have faces in line");
+        for (i, (&id, &region)) in ids.iter().zip(&merged).enumerate() {
+            let (n, d) = scene.plane(id).unwrap();
+            assert!(region <= id);
+            for (&other, &its) in ids[..i].iter().zip(&merged) {
+                let (m, e) = scene.plane(other).unwrap();
+                let same = (0..3).all(|k| (n[k] - m[k]).abs() < 1e-5) && (d - e).abs() < 1e-6;
+                assert_eq!(same, region == its, "{id} and {other}");
+            }
+        }
+        assert_eq!(scene.planes_of(&[0, u16::MAX]), [0, u16::MAX]);
+    }
+
+    #[test]
+    fn squared_scenes_have_walls_square_to_the_scanner() {
+        let scene = Scene::numbered(Set::Validation, 26).squared();
+        let [ahead, left] = [[1.0, 0.0, 0.1], [0.0, 1.0, 0.1]].map(|d: [f64; 3]| d.map(|x| x / dot(d, d).sqrt()));
+        let walls = [ahead, left].map(|direction| scene.cast(direction).and_then(|(_, id)| scene.plane(id)));
+        let square = |wall: &Option<([f64; 3], f64)>| wall.is_some_and(|(n, _)| n.iter().any(|x| x.abs() > 0.999_999));
+        assert!(walls.iter().any(square), "{walls:?}");
     }
 
     #[test]

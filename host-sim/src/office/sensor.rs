@@ -2,7 +2,7 @@
 
 use std::{error, fmt};
 
-use scanseg_formats::{Angles, Depth, Geometry, Kind, TurnAxis};
+use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, TurnAxis};
 
 use crate::office::rng::Rng;
 use crate::office::scene::Scene;
@@ -88,6 +88,22 @@ impl Sensor {
         let f_px = columns.max(1) as f64 / 2.0 / libm::tan(35f64.to_radians());
         let (cx_px, cy_px) = ((columns as f64 - 1.0) / 2.0, (rows as f64 - 1.0) / 2.0);
         Self::ideal(rows, columns, Kind::Pinhole { fx_px: f_px, fy_px: f_px, cx_px, cy_px, depth: Depth::Range })
+    }
+
+    /// The same from the last row to the first: a nodding scanner that turns upward.
+    #[must_use]
+    pub fn from_below(mut self) -> Self {
+        let rows = self.rows;
+        if let Kind::Nodding { turn_deg, .. } = &mut self.kind {
+            *turn_deg = match turn_deg {
+                Angles::Even { start_deg, step_deg } => {
+                    let last_deg = *start_deg + rows.saturating_sub(1) as f64 * *step_deg;
+                    Angles::Even { start_deg: last_deg, step_deg: -*step_deg }
+                }
+                Angles::Listed(list) => Angles::Listed(list.iter().rev().copied().collect()),
+            };
+        }
+        self
     }
 
     fn check(&self) -> Result<(), SensorError> {
@@ -178,9 +194,25 @@ impl Scene {
     /// Scans the scene. The same scene, sensor and seed give the same scan on every platform;
     /// another seed gives other errors. Fails only where a field of the sensor is out of its range.
     pub fn scan(&self, sensor: &Sensor, seed: u64) -> Result<SimulatedScan, SensorError> {
+        self.scan_bent(sensor, seed, |_| ())
+    }
+
+    /// Returns the random numbers of an error.
+    pub(super) fn stream(&self, seed: u64, error: u64) -> Rng {
+        Rng::new([seed, (self.set as u64) << 32 | u64::from(self.number), error])
+    }
+
+    /// Scans the scene with beams that `bend` turns away from where the geometry says.
+    pub(super) fn scan_bent(
+        &self,
+        sensor: &Sensor,
+        seed: u64,
+        bend: impl FnOnce(&mut Kind),
+    ) -> Result<SimulatedScan, SensorError> {
         sensor.check()?;
-        let stream = |error: u64| Rng::new([seed, (self.set as u64) << 32 | u64::from(self.number), error]);
-        let (reported, pointed) = turned(sensor, &mut stream(1), &mut stream(2));
+        let stream = |error| self.stream(seed, error);
+        let (reported, mut pointed) = turned(sensor, &mut stream(1), &mut stream(2));
+        bend(&mut pointed);
         let (ideal_m, mut truth) = self.ideal(sensor, &pointed);
         let (mut mixing, mut noise, mut dropping) = (stream(3), stream(4), stream(5));
         let mut range_m = Vec::with_capacity(truth.len());
@@ -207,6 +239,7 @@ impl Scene {
             min_range_m: None,
             max_range_m: sensor.max_range_m.is_finite().then_some(sensor.max_range_m),
             range_noise_m: (sensor.range_noise_m > 0.0).then_some(sensor.range_noise_m),
+            noise: Noise::NONE,
             kind: reported,
         };
         Ok(SimulatedScan { rows: sensor.rows, columns: sensor.columns, range_m, truth, geometry })

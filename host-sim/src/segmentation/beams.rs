@@ -85,7 +85,15 @@ mod tests {
             let elevation_deg = Angles::Listed(vec![10.0, -5.0]);
             let kind = Kind::Spinning { azimuth_deg, elevation_deg, wraps };
             let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-            let geometry = Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind };
+            let geometry = Geometry {
+                unit_m: 0.001,
+                no_return: vec![],
+                min_range_m,
+                max_range_m,
+                range_noise_m,
+                noise: scanseg_formats::Noise::NONE,
+                kind,
+            };
             ScanBeams::new(&geometry, 2, columns).unwrap()
         };
         let closed = spinning(-3.6, 100, true);

@@ -1,6 +1,6 @@
 //! The memory of a segmenter, on the heap.
 
-use scanseg_core::{Area, Memory, Sizes};
+use scanseg_core::{AnyConfig, Approach, Area, Memory, Sizes, live_labels};
 
 /// The slices that a segmenter works in.
 #[derive(Clone, Debug)]
@@ -12,14 +12,25 @@ pub struct OwnedMemory {
 }
 
 impl OwnedMemory {
-    /// Returns memory of these sizes, which the configuration of an approach tells. `max_labels`
-    /// limits the table of live labels; without it there is room for as many as `sizes` says.
-    pub fn new(sizes: Sizes, max_labels: Option<usize>) -> OwnedMemory {
+    /// Returns memory for images of `columns` columns, with a table of `max_labels` areas; without
+    /// it there is room for any image.
+    pub fn new<'a>(config: impl Into<AnyConfig<'a>>, columns: usize, max_labels: Option<usize>) -> OwnedMemory {
+        let config = config.into();
+        let enough = match config.approach() {
+            // one for each pixel of two rows
+            Approach::Plane => 2 * columns,
+            Approach::Edge | Approach::Region => live_labels(columns),
+        };
+        OwnedMemory::of(config.sizes_with(columns, max_labels.unwrap_or(enough).min(enough)))
+    }
+
+    /// Returns memory of these sizes.
+    pub fn of(sizes: Sizes) -> OwnedMemory {
         OwnedMemory {
             numbers: vec![0.0; sizes.numbers],
             halves: vec![0; sizes.halves],
             words: vec![0; sizes.words],
-            areas: vec![Area::EMPTY; max_labels.unwrap_or(sizes.areas).min(sizes.areas)],
+            areas: vec![Area::EMPTY; sizes.areas],
         }
     }
 

@@ -5,10 +5,14 @@ mod beams;
 mod bearing;
 mod error;
 mod memory;
+mod noise;
+mod ranging;
 mod whole;
 
 pub use beams::ScanBeams;
 pub use bearing::bearing_image;
 pub use error::{SegmentationError, check_size};
 pub use memory::OwnedMemory;
+pub use noise::{FoundNoise, stated_noise_m};
+pub use ranging::ranging;
 pub use whole::Segmentation;

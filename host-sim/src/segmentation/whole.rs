@@ -8,6 +8,7 @@ use scanseg_formats::{Geometry, RangeImage};
 use crate::segmentation::beams::ScanBeams;
 use crate::segmentation::error::{SegmentationError, check_size};
 use crate::segmentation::memory::OwnedMemory;
+use crate::segmentation::noise::FoundNoise;
 
 /// All that the segmentation of a scan gives.
 #[derive(Clone, Debug)]
@@ -29,6 +30,9 @@ pub struct Segmentation {
     pub segments: Vec<Segment>,
     /// Pixels that got no label because the table of live labels was full.
     pub unlabelled: u32,
+    /// The noise of the ranges at the end of the scan; none by edges and by regions, which take
+    /// what is stated, and without a return.
+    pub noise: Option<FoundNoise>,
 }
 
 impl Segmentation {
@@ -47,13 +51,14 @@ impl Segmentation {
         check_size(scan)?;
         let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
         let config = config.into();
-        let mut memory = OwnedMemory::new(config.sizes(scan.columns), max_labels);
+        let mut memory = OwnedMemory::new(config, scan.columns, max_labels);
         let mut collected = Collected::new(scan.rows, scan.columns);
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
             segmenter.push_row(row_m, row_rad, &mut collected)?;
             row_done();
         }
+        let noise = FoundNoise::of(&segmenter, &scan.range_m, &config.ranging());
         let unlabelled = match segmenter.finish(&mut collected) {
             Finished::Complete { unlabelled, .. } => unlabelled,
             Finished::Stopped => unreachable!("the sink never breaks off"),
@@ -61,7 +66,8 @@ impl Segmentation {
         collected.apply_joins();
         let Collected { labels, edges, closed_edges, mut segments, .. } = collected;
         segments.sort_by_key(|s| (u32::MAX - s.pixels(), s.label));
-        Ok(Segmentation { rows: scan.rows, columns: scan.columns, labels, edges, closed_edges, segments, unlabelled })
+        let (rows, columns) = (scan.rows, scan.columns);
+        Ok(Segmentation { rows, columns, labels, edges, closed_edges, segments, unlabelled, noise })
     }
 
     /// Returns the segments of at least `min_pixels` pixels.
@@ -156,11 +162,11 @@ impl Sink for Collected {
 mod tests {
     use super::*;
     use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_ROWS, TurnAxis};
-    use scanseg_formats::{Angles, Depth, Kind};
+    use scanseg_formats::{Angles, Depth, Kind, Noise};
 
     fn geometry(kind: Kind) -> Geometry {
         let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, kind }
+        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, noise: Noise::NONE, kind }
     }
 
     fn camera() -> Geometry {

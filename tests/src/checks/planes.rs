@@ -1,10 +1,10 @@
 //! The plane segmenter against the reference, and what must hold of it always.
 
-use crate::art::{Picture, canonical};
 use crate::reference::labels::Class;
-use crate::reference::surfaces::surfaces;
+use crate::reference::row_lines::{LINE, RowOfLines};
 use crate::stream::{Event, Record, Scan, class};
-use scanseg_core::{Finished, Pixel, PlaneConfig, Segment, live_labels};
+use nalgebra::{Matrix4, Vector3};
+use scanseg_core::{Finished, Pixel, Plane, PlaneConfig, Segment, live_labels};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every label of the end is one segment, which has its pixels and its bounds, and edges are what
@@ -34,25 +34,14 @@ pub fn assert_adds_up(scan: &Scan, config: &PlaneConfig, record: &Record) {
     }
 }
 
-/// Compares the labels where no decision of the reference is in doubt. Returns whether it did.
-pub fn assert_same(scan: &Scan, config: &PlaneConfig) -> bool {
-    let columns = scan.columns;
-    let room = live_labels(columns);
-    let expected =
-        surfaces(&scan.image(&config.ranging), &scan.reference_beams(), config.ranging.range_noise_m.into(), room);
-    if expected.doubt.doubtful > 0 {
-        return false;
-    }
-    let record = scan.record(*config, room);
-    let classes: Vec<_> = record.pixels().into_iter().map(class).collect();
-    let labels = canonical(&record.labels());
-    assert_eq!(
-        Picture::labels(columns, &classes, &labels),
-        Picture::labels(columns, &classes, &expected.labels),
-        "{scan:?} {config:?}"
-    );
-    assert_eq!(labels, expected.labels);
-    true
+/// Compares the lines of a scan of one row with the cheapest ones: they cost at most twice as much.
+/// Returns whether they cost the same.
+pub fn assert_lines(scan: &Scan, config: &PlaneConfig) -> bool {
+    let record = scan.record(*config, live_labels(scan.columns).max(scan.columns));
+    let row = RowOfLines::new(&scan.image(&config.ranging), &scan.reference_beams(), &config.ranging);
+    let (found, best) = (row.price(&record.labels()), row.least());
+    assert!(found > best - 0.01 - 1e-3 * best && found < 2.0 * best + LINE, "{found} {best} {scan:?} {config:?}");
+    found < best + 0.01 + 1e-3 * best
 }
 
 /// With a table that is too small: pixels without a label are counted, all of a line or none, and
@@ -66,7 +55,8 @@ pub fn assert_consistent(scan: &Scan, config: &PlaneConfig, areas: usize) {
     let unlabelled = pixels.iter().filter(|&&pixel| pixel == Pixel::Unlabelled).count() as u32;
     let rows = scan.turn_rad.len();
     assert_eq!(record.finished, Some(Finished::Complete { rows, unlabelled }));
-    let mut above = BTreeSet::new();
+    // planes are carried on below three missing pixels
+    let mut above: [BTreeSet<u32>; 4] = Default::default();
     let (mut row, mut joined) = (0, 0);
     for event in &record.events {
         match event {
@@ -74,13 +64,31 @@ pub fn assert_consistent(scan: &Scan, config: &PlaneConfig, areas: usize) {
             Event::Row { pixels, .. } => {
                 let label = |pixel: &Pixel| if let Pixel::Segment(label) = pixel { Some(label.0) } else { None };
                 let here: BTreeSet<_> = pixels.iter().filter_map(label).collect();
-                // areas of the row above may not have been known to end yet
-                let most = here.union(&above).count() + joined;
+                // areas of the rows above may not have been known to end yet
+                let most = above.iter().fold(here.clone(), |all, row| &all | row).len() + joined;
                 let full = pixels.contains(&Pixel::Unlabelled);
                 assert!(!full || most >= areas, "row {row}: {most} of {areas} areas");
-                (above, row, joined) = (here, row + 1, 0);
+                above.rotate_right(1);
+                (above[0], row, joined) = (here, row + 1, 0);
             }
             _ => {}
         }
     }
+}
+
+/// The normal is a unit vector; the covariance is symmetric, positive semi-definite and of rank 3.
+pub fn assert_sound(plane: &Plane) {
+    let normal = Vector3::from(plane.normal.map(f64::from));
+    assert!((normal.norm() - 1.0).abs() < 1e-6 && plane.distance_m > 0.0, "{plane:?}");
+    let covariance = covariance(plane);
+    assert_eq!(covariance, covariance.transpose());
+    let mut values: Vec<f64> = covariance.symmetric_eigenvalues().iter().copied().collect();
+    values.sort_by(f64::total_cmp);
+    assert!(values[0].abs() < 1e-6 * values[3] && values[1] > 0.0, "{values:?}");
+    assert!((covariance * normal.push(0.0)).norm() < 1e-5 * values[3], "along the normal");
+}
+
+/// The covariance of a plane.
+pub fn covariance(plane: &Plane) -> Matrix4<f64> {
+    Matrix4::from_fn(|i, j| plane.covariance[i][j].into())
 }

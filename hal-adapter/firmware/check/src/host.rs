@@ -35,7 +35,8 @@ pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labe
         Approach::Edge => EDGE.into(),
         Approach::Region => REGION.into(),
     };
-    let mut memory = OwnedMemory::new(config.sizes(columns), max_labels);
+    let sizes = max_labels.map_or(config.sizes(columns), |areas| config.sizes_with(columns, areas));
+    let mut memory = OwnedMemory::of(sizes);
     let segmenter = AnySegmenter::new(config, beams(settings.variant), columns, memory.memory())?;
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig = Rig::new(*settings, limits(settings), Timed(segmenter), &mut rows_m)?;

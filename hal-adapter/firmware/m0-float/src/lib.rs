@@ -12,7 +12,7 @@
 #[cfg(target_os = "none")]
 mod replace;
 #[cfg(target_os = "none")]
-pub use replace::multiplies;
+pub use replace::is_right;
 
 const SIGN: u32 = 1 << 31;
 const IMPLICIT: u32 = 1 << 23;
@@ -54,15 +54,15 @@ fn is_special(exponent: u32) -> bool {
     (exponent + 1) & 0xFE == 0
 }
 
-/// The sum of two numbers, as bits; `None` where something is infinite, not a number or subnormal,
-/// or both are zero.
+/// The sum of two numbers, as bits; `None` where something is infinite, not a number or subnormal.
 #[inline(always)]
 #[must_use]
 pub fn add(a: u32, b: u32) -> Option<u32> {
     let (large, small) = if a << 1 >= b << 1 { (a, b) } else { (b, a) };
     let (mut exponent, small_exponent) = (large << 1 >> 24, small << 1 >> 24);
     if exponent.wrapping_sub(1) >= 254 {
-        return None;
+        // both are zero: negative if both are
+        return (large << 1 == 0).then_some(large & small);
     }
     if small_exponent == 0 {
         return (small << 1 == 0).then_some(large);

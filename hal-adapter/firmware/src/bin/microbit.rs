@@ -8,16 +8,17 @@ use core::mem::MaybeUninit;
 #[cfg(not(feature = "figures"))]
 use m0_float as _;
 use scanseg_core::buffers;
-use scanseg_firmware::approach::{CONFIG, ImageSegmenter};
+use scanseg_firmware::approach::{APPROACH, CONFIG, ImageSegmenter, microbit_areas};
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
-use scanseg_firmware::run::{MICROBIT, MICROBIT_AREAS, Ports, limits, run};
+use scanseg_firmware::run::{MICROBIT, Ports, limits, run};
 use scanseg_firmware::uart::nrf51::Uart;
 use scanseg_firmware::wire::SpiOver;
 use scanseg_hal::lms2xx::Session;
 use scanseg_hal::rig::{Rig, beams};
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
+const AREAS: usize = microbit_areas(APPROACH);
 
 /// Makes the session in the memory given. A static that begins with its values would lie in flash
 /// as well.
@@ -29,12 +30,12 @@ fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static mut BUFFERS: buffers!(COLUMNS, CONFIG, MICROBIT_AREAS) = <buffers!(COLUMNS, CONFIG, MICROBIT_AREAS)>::EMPTY;
+    static mut BUFFERS: buffers!(COLUMNS, CONFIG, AREAS) = <buffers!(COLUMNS, CONFIG, AREAS)>::EMPTY;
     static mut ROWS_M: [f32; 2 * COLUMNS] = [0.0; 2 * COLUMNS];
     static mut SESSION: MaybeUninit<Session> = MaybeUninit::uninit();
     // an image that counts also tries its arithmetic; one that fails says nothing
     #[cfg(feature = "figures")]
-    if !m0_float::multiplies(20_000) {
+    if !m0_float::is_right(20_000) {
         loop {
             core::hint::spin_loop();
         }

@@ -125,7 +125,7 @@ mod tests {
     fn tell(sink: &mut impl RigSink) {
         const COLUMNS: usize = 9;
         let config = EdgeConfig::paper();
-        let mut memory = OwnedMemory::new(config.sizes(COLUMNS), None);
+        let mut memory = OwnedMemory::new(config, COLUMNS, None);
         let beams = Beams::Pinhole { fx_px: 100.0, fy_px: 100.0, cx_px: 4.0, cy_px: 4.0 };
         let mut segmenter = EdgeSegmenter::new(config, beams, COLUMNS, memory.memory()).unwrap();
         sink.scan_started(&ScanStarted { number: 1, columns: COLUMNS as u16, turn_rad: 0.5 });
@@ -171,7 +171,7 @@ mod tests {
         impl RigSink for Full {}
 
         let config = EdgeConfig::paper();
-        let mut memory = OwnedMemory::new(config.sizes(3), None);
+        let mut memory = OwnedMemory::new(config, 3, None);
         let beams = Beams::Pinhole { fx_px: 100.0, fy_px: 100.0, cx_px: 1.0, cy_px: 1.0 };
         let mut segmenter = EdgeSegmenter::new(config, beams, 3, memory.memory()).unwrap();
         let mut live = Live::new(Full);

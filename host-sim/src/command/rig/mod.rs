@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let refused = |e: SegmentationError| in_terms_of_options("rig", e);
     let beams = ScanBeams::new(&geometry, 1, COLUMNS).map_err(|e| refused(e.into()))?;
     let config = arguments.options.config(&geometry)?;
-    let mut memory = OwnedMemory::new(config.sizes(COLUMNS), arguments.options.max_labels());
+    let mut memory = OwnedMemory::new(config, COLUMNS, arguments.options.max_labels());
     let segmenter =
         AnySegmenter::new(config, beams.beams(), COLUMNS, memory.memory()).map_err(|e| refused(e.into()))?;
     let mut rows_m = [0.0; 2 * COLUMNS];

@@ -1,0 +1,267 @@
+//! The table of areas, each with its plane. Areas that have ended stay in it as long as there is
+//! room, so that a new area can join them.
+#![allow(clippy::indexing_slicing)] // arrays of known length
+
+use core::ops::{ControlFlow, Range};
+
+use crate::area::Area;
+use crate::plane::marks::{ENDED, FREE, LIVE, Marks, both_beyond};
+use crate::plane::rules::{LOOKED_AT, Rules};
+use crate::plane::tried::Tried;
+use crate::plane::work::count;
+use crate::row::slots::NONE;
+use crate::segment::SegmentSums;
+use crate::sink::Sink;
+use crate::weighted::fitted::Fitted;
+
+/// No slot: a pixel whose area found the table full.
+pub(crate) const FULL: u16 = u16::MAX - 1;
+
+/// The areas of a scan.
+pub(crate) struct Areas<'a> {
+    pub rules: &'static Rules,
+    table: &'a mut [Area],
+    pub tried: Tried<'a>,
+    next_label: u32,
+    /// The first free slot; each knows the next one.
+    free: u16,
+    /// Slots from here on were never used.
+    fresh: u16,
+    /// Where the search for an area that has ended goes on.
+    hand: u16,
+    /// Whether an area was joined into another one in this row.
+    joined: bool,
+    pub row: u16,
+    /// Where the search for pieces across gaps goes on: an area, and the other one.
+    pub bridge: [u16; 2],
+    /// Variance of the turn angle of a row, rad^2.
+    pub turn_rad2: f32,
+    /// The axis about which rows turn; 0 where they do not.
+    pub axis: [f32; 3],
+    /// The last turn between two areas that was not reported, radians.
+    pub seam_rad: Option<f32>,
+}
+
+impl<'a> Areas<'a> {
+    pub fn new(table: &'a mut [Area], tried: Tried<'a>, axis: [f32; 3], rules: &'static Rules) -> Areas<'a> {
+        Self {
+            rules,
+            table,
+            tried,
+            next_label: 1,
+            free: NONE,
+            fresh: 0,
+            hand: 0,
+            joined: false,
+            row: 0,
+            bridge: [0, 0],
+            turn_rad2: 0.0,
+            axis,
+            seam_rad: None,
+        }
+    }
+
+    pub fn reset(&mut self) {
+        self.table.fill(Area::EMPTY);
+        self.tried.reset();
+        (self.next_label, self.free, self.fresh, self.hand, self.row) = (1, NONE, 0, 0, 0);
+        (self.joined, self.bridge, self.seam_rad) = (false, [0, 0], None);
+    }
+
+    pub fn table(&self) -> &[Area] {
+        self.table
+    }
+
+    /// Slots in use are below.
+    pub fn used(&self) -> u16 {
+        self.fresh
+    }
+
+    /// The area of a slot.
+    pub fn get(&self, slot: u16) -> &Area {
+        self.table.get(usize::from(slot)).unwrap_or(&Area::EMPTY)
+    }
+
+    fn change(&mut self, slot: u16, change: impl FnOnce(&mut Area)) {
+        if let Some(area) = self.table.get_mut(usize::from(slot)) {
+            change(area);
+        }
+    }
+
+    /// The plane of a slot with its sums.
+    pub fn fitted(&self, slot: u16) -> Fitted {
+        // what follows costs ten times as much as a pixel
+        count(10);
+        self.get(slot).fitted()
+    }
+
+    /// The plane of a slot.
+    pub fn m(&self, slot: u16) -> [f32; 3] {
+        self.get(slot).m()
+    }
+
+    pub fn marks(&self, slot: u16) -> Marks {
+        Marks::of(self.get(slot))
+    }
+
+    pub fn set_marks(&mut self, slot: u16, marks: &Marks) {
+        self.change(slot, |area| marks.keep_in(area));
+    }
+
+    /// Whether an area has a plane: one row has none.
+    pub fn has_plane(&self, slot: u16) -> bool {
+        let area = self.get(slot);
+        area.frontier > area.first_row
+    }
+
+    /// The plane of a slot if it is known well enough to be followed.
+    #[inline]
+    pub fn plane(&self, slot: u16) -> Option<[f32; 3]> {
+        let area = self.table.get(usize::from(slot))?;
+        let smooth = area.squares() <= self.rules.rough * area.points as f32 + self.rules.rough_by_chance;
+        (area.frontier > area.first_row && smooth).then(|| area.m())
+    }
+
+    /// Rows and points of an area.
+    pub fn size(&self, slot: u16) -> (u16, u32) {
+        let area = self.get(slot);
+        (area.frontier - area.first_row + 1, area.points)
+    }
+
+    /// The slot that an area was joined into in this row; its own if none.
+    pub fn root(&self, mut slot: u16) -> u16 {
+        while let Some(area) = self.table.get(usize::from(slot)).filter(|area| area.link != slot) {
+            slot = area.link;
+        }
+        slot
+    }
+
+    /// Whether a slot holds an area that was not joined into another one.
+    pub fn is_root(&self, slot: u16) -> bool {
+        self.marks(slot).state != FREE && self.get(slot).link == slot
+    }
+
+    /// Adds a run of this row to an area, which makes its plane this one.
+    pub fn extend(&mut self, slot: u16, run: &Range<usize>, fitted: &Fitted, points: u32) {
+        let row = self.row;
+        self.change(slot, |area| {
+            area.reach(run);
+            area.points = area.points.saturating_add(points);
+            area.frontier = row;
+            area.set_fitted(fitted);
+        });
+        self.carry(slot);
+    }
+
+    /// A new area from a line; [`FULL`] if there is no room.
+    pub fn begin(&mut self, line: &Range<usize>, fitted: &Fitted, points: u32) -> u16 {
+        let slot = self.vacant();
+        let Some(area) = self.table.get_mut(usize::from(slot)) else { return FULL };
+        *area = Area::begin(self.next_label, self.row, line.start as u16, slot);
+        Marks { state: LIVE, ..Marks::default() }.keep_in(area);
+        self.next_label += 1;
+        self.extend(slot, line, fitted, points);
+        slot
+    }
+
+    /// A slot for a new area: a free one, or that of a small area that has ended.
+    fn vacant(&mut self) -> u16 {
+        if self.free != NONE {
+            let slot = self.free;
+            self.free = self.get(slot).link;
+            return slot;
+        }
+        if usize::from(self.fresh) < self.table.len().min(usize::from(FULL)) {
+            self.fresh += 1;
+            return self.fresh - 1;
+        }
+        // the smallest of the next ones that have ended
+        let (mut best, mut ended) = ((u32::MAX, FULL), 0);
+        for _ in 0..self.fresh.min(LOOKED_AT) {
+            count(1);
+            self.hand = if self.hand + 1 < self.fresh { self.hand + 1 } else { 0 };
+            if self.marks(self.hand).state == ENDED {
+                let points = self.get(self.hand).points;
+                best = if points < best.0 { (points, self.hand) } else { best };
+                ended += 1;
+                if ended == LOOKED_AT / 8 {
+                    break;
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Joins two areas into one of that plane; gives its slot.
+    pub fn join<S: Sink + ?Sized>(
+        &mut self,
+        one: u16,
+        other: u16,
+        common: &Fitted,
+        sink: &mut S,
+    ) -> ControlFlow<(), u16> {
+        let older = self.get(one).label < self.get(other).label;
+        let (kept, gone) = if older { (one, other) } else { (other, one) };
+        self.change(gone, |area| area.link = kept);
+        let other = *self.get(gone);
+        let Some(area) = self.table.get_mut(usize::from(kept)) else { return ControlFlow::Continue(one) };
+        let join = area.unite(&other);
+        area.points = area.points.saturating_add(other.points);
+        area.frontier = area.frontier.max(other.frontier);
+        area.set_fitted(common);
+        let (of_kept, of_gone) = (Marks::of(area), Marks::of(&other));
+        let beyond = core::array::from_fn(|side| both_beyond(of_kept.beyond[side], of_gone.beyond[side]));
+        let (seen, bridged) = (of_kept.seen.max(of_gone.seen), of_kept.bridged.max(of_gone.bridged));
+        // one that has ended is reported again
+        Marks { state: LIVE, bridged, seen, beyond }.keep_in(area);
+        self.joined = true;
+        sink.join(join)?;
+        ControlFlow::Continue(kept)
+    }
+
+    /// After the joins of a row: every pixel refers to the area itself.
+    pub fn settle(&mut self, rows: [&mut [u16]; 2]) {
+        if core::mem::take(&mut self.joined) {
+            let mut last = (NONE, NONE);
+            for slot in rows.into_iter().flatten().filter(|slot| **slot < FULL) {
+                if *slot != last.0 {
+                    last = (*slot, self.root(*slot));
+                }
+                *slot = last.1;
+            }
+        }
+    }
+
+    /// An area that a column carries on to the next row.
+    pub fn carry(&mut self, slot: u16) {
+        let marks = Marks { seen: self.row, ..self.marks(slot) };
+        self.set_marks(slot, &marks);
+    }
+
+    /// After a row: areas that no column carries are complete. `all`: every area is.
+    pub fn close<S: Sink + ?Sized>(&mut self, all: bool, sink: &mut S) -> ControlFlow<()> {
+        count(usize::from(self.fresh));
+        for slot in 0..self.fresh {
+            let marks = self.marks(slot);
+            if marks.state == FREE {
+                continue;
+            }
+            let area = self.get(slot);
+            let mut gone = area.link != slot;
+            if !gone && marks.state == LIVE && (all || marks.seen != self.row) {
+                let sums = SegmentSums::Fitted { pixels: area.points, fitted: area.fitted() };
+                sink.segment(&area.segment(area.frontier, sums))?;
+                // smaller ones are never joined again
+                gone = area.points < self.rules.gap_points;
+                self.set_marks(slot, &Marks { state: ENDED, ..marks });
+            }
+            if gone {
+                self.set_marks(slot, &Marks { state: FREE, ..marks });
+                let free = self.free;
+                self.change(slot, |area| area.link = free);
+                self.free = slot;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}

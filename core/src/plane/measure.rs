@@ -1,0 +1,205 @@
+//! The noise as the scan itself tells it: how large second differences of 1 / r along a row are.
+//! They are 0 on any plane.
+#![allow(clippy::indexing_slicing)] // arrays of known length
+
+use crate::plane::noise::Variance;
+use crate::plane::rules::Rules;
+use crate::plane::scanline::{Lanes, Scanline};
+use crate::row::bits::{CHUNK, VECTORS};
+
+/// Ranges are told apart in so many classes: up to 2 m, 4 m, 8 m, and beyond.
+const CLASSES: usize = 4;
+/// Second differences are counted by the binary exponent of their square, in units of what was
+/// stated: from 2^-8 on so many exponents.
+const STEPS: usize = 24;
+/// The biased exponent of 2^-8.
+const FIRST_STEP: usize = 119;
+/// The biased exponent of 1 m and 2 m.
+const FIRST_CLASS: usize = 127;
+/// Second differences of a class that are kept; then all counts are halved, so that later ones
+/// weigh more.
+const MOST: u16 = 4096;
+/// Nearer than this, metres, noise is not taken to grow.
+const NEAREST_M: f32 = 0.1;
+/// A class with fewer second differences tells nothing.
+const FEWEST: u16 = 40;
+/// Second differences reach over this angle, a degree, to either side where columns are finer:
+/// errors of neighbours may be alike.
+const REACH_RAD: f32 = 0.0185;
+/// Columns that a second difference may reach to either side, the farthest first.
+const REACHES: [usize; 4] = [8, 4, 3, 2];
+/// Ranges come in coarse steps if one of so many second differences is about 0 at least, and one of
+/// so many is not,
+const STEPPED: u16 = 4;
+/// if there are none of so many sizes between them,
+const STEP_GAP: usize = 4;
+/// if those that are not are mostly of so many sizes,
+const STEP_SIZES: usize = 6;
+/// and of so many in all.
+const SURE: u16 = 200;
+/// Of a chunk every so many second differences count.
+const STRIDE: usize = 3;
+
+/// The biased exponent of a number that is not negative.
+fn exponent(x: f32) -> usize {
+    (x.to_bits() >> 23) as usize
+}
+
+fn class_of(range_m: f32) -> usize {
+    exponent(range_m).saturating_sub(FIRST_CLASS).min(CLASSES - 1)
+}
+
+/// Second differences so far, by class and size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured {
+    counts: [[u16; STEPS]; CLASSES],
+    totals: [u16; CLASSES],
+    /// Mean range of each class, metres.
+    means_m: [f32; CLASSES],
+}
+
+impl Measured {
+    pub const NONE: Measured =
+        Measured { counts: [[0; STEPS]; CLASSES], totals: [0; CLASSES], means_m: [0.0; CLASSES] };
+
+    /// Takes second differences of a row whose `variance` is the stated one.
+    pub fn look_at(&mut self, row: &Scanline, number: usize) {
+        // of so many chunks, as a power of 2, one is looked at: fewer when much is known
+        let shift = match self.all() {
+            0..500 => 0,
+            500..2000 => 2,
+            _ => 4,
+        };
+        let mut lanes = Lanes::EMPTY;
+        let mut from = (number & ((1 << shift) - 1)) * CHUNK;
+        while from < row.ranges_m.len() {
+            row.lanes(from, &mut lanes);
+            self.look_at_chunk(row, &lanes);
+            from += CHUNK << shift;
+        }
+    }
+
+    fn look_at_chunk(&mut self, row: &Scanline, lanes: &Lanes) {
+        let (c, s) = (&lanes.cos, &lanes.sin);
+        let sine = |to: usize, from: usize| s[to] * c[from] - c[to] * s[from];
+        let step = sine(1, 0).abs();
+        let ahead = REACHES.into_iter().find(|&n| n as f32 * step < REACH_RAD).unwrap_or(2);
+        let inverse = lanes.range_m.map(|r| if r > 0.0 { 1.0 / r } else { 0.0 });
+        let mut squares = [-1.0f32; CHUNK];
+        for i in (ahead..CHUNK - ahead).map(|i| i % CHUNK) {
+            if !VECTORS && !(i - ahead).is_multiple_of(STRIDE) {
+                continue;
+            }
+            let (l, r) = ((i - ahead) % CHUNK, (i + ahead) % CHUNK);
+            let (alpha, beta, gamma) = (sine(r, i), sine(i, l), sine(r, l));
+            let d = inverse[l] * alpha + inverse[r] * beta - inverse[i] * gamma;
+            let range_m = lanes.range_m[i];
+            let square_m2 = range_m * range_m;
+            let expected = row.variance.at(range_m) * (alpha * alpha + beta * beta + gamma * gamma);
+            let all = (lanes.range_m[l] > 0.0) & (lanes.range_m[r] > 0.0) & (range_m > 0.0);
+            squares[i] = if all { d * d * square_m2 * square_m2 / expected } else { -1.0 };
+        }
+        for (square, range_m) in squares.iter().zip(lanes.range_m).skip(ahead).step_by(STRIDE) {
+            if *square >= 0.0 {
+                self.add(*square, range_m);
+            }
+        }
+    }
+
+    /// Takes the square of a second difference, in units of what was stated, at a range.
+    fn add(&mut self, square: f32, range_m: f32) {
+        let class = class_of(range_m);
+        let step = exponent(square).saturating_sub(FIRST_STEP).min(STEPS - 1);
+        if self.totals[class] >= MOST {
+            self.counts[class] = self.counts[class].map(|n| n / 2);
+            self.totals[class] = self.counts[class].iter().sum();
+        }
+        self.counts[class][step] += 1;
+        self.totals[class] += 1;
+        self.means_m[class] += (range_m - self.means_m[class]) / f32::from(self.totals[class]);
+    }
+
+    fn all(&self) -> u32 {
+        self.totals.iter().map(|&n| u32::from(n)).sum()
+    }
+
+    /// The variance of a class in units of what was stated: normal errors have the quantile
+    /// [`Rules::noise_share`] at [`Rules::noise_square`].
+    fn factor(&self, class: usize, rules: &Rules) -> Option<f32> {
+        let total = self.totals[class % CLASSES];
+        if total < FEWEST {
+            return None;
+        }
+        // a step in one of three ranges is a sixth of its square in units of their variance, which
+        // is a twelfth of it
+        let zeros = f32::from(self.zeros(class % CLASSES));
+        let (share, normal) = if zeros > 0.0 { (0.5, 2.0) } else { (rules.noise_share, rules.noise_square) };
+        let wanted = zeros + share * (f32::from(total) - zeros);
+        let mut below = 0.0;
+        for (step, &n) in self.counts[class % CLASSES].iter().enumerate() {
+            let n = f32::from(n);
+            if below + n >= wanted {
+                // squares are spread like their roots within the step
+                let low = f32::from_bits(((FIRST_STEP + step) as u32) << 23);
+                let root = 1.0 + (wanted - below) / n * 0.414_213_56;
+                return Some(low * root * root / normal);
+            }
+            below += n;
+        }
+        None
+    }
+
+    /// Second differences of a class that are about 0 because its ranges come in coarse steps: those
+    /// below a gap, where there are none. 0 where they come in fine ones.
+    fn zeros(&self, class: usize) -> u16 {
+        let (total, counts) = (self.totals[class], &self.counts[class]);
+        let (mut below, mut empty) = (0, 0);
+        for (step, &n) in counts.iter().enumerate() {
+            if n > total / 64 {
+                if empty >= STEP_GAP && below > 0 {
+                    let above = total - below;
+                    let one_step: u16 = counts.iter().skip(step).take(STEP_SIZES).sum();
+                    let coarse = below >= total / STEPPED && above >= total / STEPPED && one_step >= above - above / 4;
+                    return if coarse && total >= SURE { below } else { 0 };
+                }
+                empty = 0;
+            } else {
+                empty += 1;
+            }
+            below += n;
+        }
+        0
+    }
+
+    /// The variance that the scan alone tells at a range, m^2; none where it has told too little.
+    pub fn alone(&self, range_m: f32, stated: &Variance, rules: &Rules) -> Option<f32> {
+        Some(self.factor(class_of(range_m), rules)? * stated.at(range_m))
+    }
+
+    /// The variance that counts: the larger of stated and measured.
+    pub fn variance(&self, stated: &Variance, rules: &Rules) -> Variance {
+        let all = self.all();
+        let squares: [Option<f32>; CLASSES] = core::array::from_fn(|class| {
+            // a class of few pixels may be an exception
+            if 16 * u32::from(self.totals[class]) < all {
+                return None;
+            }
+            let factor = self.factor(class, rules)?;
+            if factor < rules.noise_trust {
+                return Some(0.0);
+            }
+            let factor = if factor > rules.noise_most && stated.is_stated() { rules.noise_most } else { factor };
+            Some(factor * stated.at(self.means_m[class]) * rules.noise_less)
+        });
+        let Some(least) = squares.iter().flatten().copied().reduce(|a, b| if b < a { b } else { a }) else {
+            return *stated;
+        };
+        let mut grown = 0.0;
+        for (square, r) in squares.iter().zip(self.means_m) {
+            let r = if r > NEAREST_M { r } else { NEAREST_M };
+            let more = square.map_or(0.0, |square| (square - least) / (r * r * r * r));
+            grown = if more > grown { more } else { grown };
+        }
+        stated.with_measured([least, grown])
+    }
+}

@@ -1,0 +1,232 @@
+//! Weighted sums over a run of a row, eight pixels side by side, and the plane of a line.
+#![allow(clippy::indexing_slicing)] // arrays of known length
+
+use core::ops::Range;
+
+use crate::arithmetic::dot;
+use crate::plane::noise::{Spread, Variance};
+use crate::plane::scanline::{Along, At, Cached, Lanes, Scanline};
+use crate::plane::work::count;
+use crate::row::bits::{CHUNK, VECTORS};
+use crate::row::fan::Frame;
+use crate::weighted::fitted::Fitted;
+use crate::weighted::sums::{Errors, Sums, less, plus};
+
+/// One over the range at which a plane is met is at least this share of what was measured: beyond,
+/// it is no plane that the pixel could lie on.
+const LEAST_SHARE: f32 = 0.05;
+
+/// Tangent by which lines are taken to lean across the row until they have a plane: 72 deg.
+const LEAN: f32 = 3.0;
+
+/// Pixels that are summed side by side.
+const LANES: usize = 8;
+
+type Eight = [f32; LANES];
+
+/// The number of each pixel of a chunk.
+const NUMBERS: [f32; CHUNK] = {
+    let mut numbers = [0.0; CHUNK];
+    let mut i = 0;
+    while i < CHUNK {
+        numbers[i] = i as f32;
+        i += 1;
+    }
+    numbers
+};
+
+/// What weights and errors of a run are found with.
+struct Weighing {
+    along: Along,
+    /// Squared length of the plane.
+    steep: f32,
+    variance: Variance,
+    spread: Spread,
+    /// Pixels that count as one.
+    alike: f32,
+    /// A beam of the run, near its middle.
+    middle: At,
+}
+
+impl Weighing {
+    /// Weight, cosine and sine of the beam less those in the middle, and error of a pixel with a
+    /// return. `FIRST`: the plane is not known well enough to linearise about it.
+    #[inline(always)]
+    fn terms<const FIRST: bool>(&self, r: f32, cos: f32, sin: f32) -> [f32; 4] {
+        let Weighing { along: Along { a, b, k, .. }, steep, variance, spread, alike, middle } = self;
+        let predicted = cos * a + sin * b + k;
+        let (q, range_m2) = if FIRST {
+            (1.0 / r, r * r)
+        } else {
+            let q = if predicted * r > LEAST_SHARE { predicted } else { LEAST_SHARE / r };
+            (q, 1.0 / (q * q))
+        };
+        let q2 = q * q;
+        // tan(incidence), squared
+        let tan_square = spread.tan_square(steep * range_m2 - 1.0);
+        let variance_m2 = variance.at(r) + spread.at(range_m2, tan_square);
+        let weight = 1.0 / (variance_m2 * q2 * q2 * alike);
+        // what 1 / r is more than the plane has it
+        let error = if FIRST { q - predicted } else { q * (1.0 - r * q) };
+        [weight, cos - middle.cos, sin - middle.sin, error]
+    }
+
+    /// Adds the returns of a chunk from number `from` up to `to` to the sums of w, w c, w s, w e, and
+    /// of the products of the latter with c, s and e: see [`Weighing::terms`].
+    #[inline(always)]
+    fn add<const FIRST: bool>(&self, from: usize, to: usize, lanes: &Lanes, sums: &mut [Eight; 10]) {
+        if VECTORS {
+            for block in from / LANES..to.div_ceil(LANES) {
+                self.add_eight::<FIRST>(block, [from as f32, to as f32], lanes, sums);
+            }
+            return;
+        }
+        let pixels = lanes.range_m.iter().zip(&lanes.cos).zip(&lanes.sin).enumerate().take(to).skip(from);
+        for (i, ((&range_m, &cos), &sin)) in pixels {
+            if range_m > 0.0 {
+                let [w, c, s, e] = self.terms::<FIRST>(range_m, cos, sin);
+                let (wc, ws, we) = (w * c, w * s, w * e);
+                let terms = [w, wc, ws, we, wc * c, wc * s, ws * s, we * c, we * s, we * e];
+                for (sum, term) in sums.iter_mut().zip(terms) {
+                    sum[i % LANES] += term;
+                }
+            }
+        }
+    }
+
+    /// The same of eight pixels side by side.
+    #[inline(always)]
+    fn add_eight<const FIRST: bool>(&self, block: usize, [from, to]: [f32; 2], lanes: &Lanes, sums: &mut [Eight; 10]) {
+        let pick = |lane: &[f32; CHUNK]| -> Eight { lane.as_chunks::<LANES>().0[block % (CHUNK / LANES)] };
+        let (ranges_m, cosines, sines, numbers) =
+            (pick(&lanes.range_m), pick(&lanes.cos), pick(&lanes.sin), pick(&NUMBERS));
+        let [mut w, mut c, mut s, mut e] = [[0.0; LANES]; 4];
+        for j in 0..LANES {
+            let inside = (ranges_m[j] > 0.0) & (numbers[j] >= from) & (numbers[j] < to);
+            let r = if inside { ranges_m[j] } else { 1.0 };
+            let terms = self.terms::<FIRST>(r, cosines[j], sines[j]);
+            [w[j], c[j], s[j], e[j]] = terms;
+            w[j] = if inside { w[j] } else { 0.0 };
+        }
+        accumulate(&[w, c, s, e], sums);
+    }
+}
+
+/// Adds eight pixels with these terms to the sums. A function of its own, so that the compiler keeps
+/// the eight side by side.
+#[inline(never)]
+fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
+    let product = |a: &Eight, b: &Eight| -> Eight { core::array::from_fn(|j| a[j] * b[j]) };
+    let (wc, ws, we) = (product(w, c), product(w, s), product(w, e));
+    let products = [(&wc, c), (&wc, s), (&ws, s), (&we, c), (&we, s), (&we, e)];
+    let [s0, s1, s2, s3, others @ ..] = sums;
+    for (sum, terms) in [(s0, w), (s1, &wc), (s2, &ws), (s3, &we)] {
+        for j in 0..LANES {
+            sum[j] += terms[j];
+        }
+    }
+    for (sum, (a, b)) in others.iter_mut().zip(products) {
+        for j in 0..LANES {
+            sum[j] += a[j] * b[j];
+        }
+    }
+}
+
+#[inline(always)]
+fn total(l: Eight) -> f32 {
+    ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
+}
+
+/// The sums without what all pixels of a row share: its turn, or the offset of its ring. The error
+/// of a pixel changes with it by `slope[0]`, and by `slope[1]` more for each 1 of c. `variance` is
+/// that of what is shared.
+fn without_shared(sums: [f32; 10], slope: [f32; 2], variance: f32) -> [f32; 10] {
+    let [w, c, s, e, cc, cs, ss, ec, es, ee] = sums;
+    let [at, per] = slope;
+    // weighted sums of the slope, and of its products with c, s and e
+    let (h, hc, hs, he) = (at * w + per * c, at * c + per * cc, at * s + per * cs, at * e + per * ec);
+    let share = variance / (1.0 + variance * (at * h + per * hc));
+    [
+        w - share * h * h,
+        c - share * h * hc,
+        s - share * h * hs,
+        e - share * h * he,
+        cc - share * hc * hc,
+        cs - share * hc * hs,
+        ss - share * hs * hs,
+        ec - share * hc * he,
+        es - share * hs * he,
+        ee - share * he * he,
+    ]
+}
+
+impl Scanline<'_> {
+    /// Sums over the returns of a run, and their errors against the plane m.
+    #[inline(never)]
+    pub fn sums<const FIRST: bool>(&self, run: Range<usize>, m: [f32; 3], cached: &mut Cached) -> (Sums, Errors) {
+        count(run.len());
+        let along = self.along(m);
+        // of its first chunk, which is read first
+        let middle = ((run.start + run.end) / 2).min(run.start | (CHUNK - 1));
+        let middle = cached.at(self, middle);
+        let weighing = Weighing {
+            along,
+            steep: dot(m, m),
+            variance: self.variance,
+            spread: self.spread,
+            alike: self.alike_px * self.alike_px,
+            middle,
+        };
+        let mut sums = [[0.0; LANES]; 10];
+        let mut at = run.start;
+        while at < run.end {
+            let (lanes, i) = cached.lanes(self, at);
+            let end = run.end.min((at / CHUNK + 1) * CHUNK);
+            let last = i + end - at;
+            weighing.add::<FIRST>(i, last, lanes, &mut sums);
+            at = end;
+        }
+        let slope = if self.fan.spins() {
+            let q = middle.cos * along.a + middle.sin * along.b + along.k;
+            [q * q, 0.0]
+        } else {
+            // how a line leans across the row is not known
+            let per = if FIRST { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
+            [per * middle.cos, per]
+        };
+        let sums = sums.map(total);
+        let all = sums[0];
+        let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, slope, self.off2);
+        let per = if w > 0.0 { 1.0 / w } else { 0.0 };
+        let (mc, ms) = (c * per, s * per);
+        let (cc, cs, ss) = (cc - c * mc, cs - c * ms, ss - s * ms);
+        let (ec, es) = (ec - e * mc, es - e * ms);
+        let Frame { p, q, r } = self.frame;
+        let (fc, fs) = (middle.cos + mc, middle.sin + ms);
+        let pair = |i: usize, j: usize| cc * p[i] * p[j] + cs * (p[i] * q[j] + q[i] * p[j]) + ss * q[i] * q[j];
+        let sums = Sums {
+            w,
+            all,
+            c: [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + r[i]),
+            s: [pair(0, 0), pair(1, 1), pair(2, 2), pair(0, 1), pair(0, 2), pair(1, 2)],
+        };
+        (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i]), squares: ee })
+    }
+
+    /// The plane of a line of this row, which begins and ends with a return.
+    pub fn fitted(&self, run: Range<usize>, cached: &mut Cached) -> Fitted {
+        let [first, last] = [run.start, run.end - 1].map(|column| cached.lone(self, column));
+        // to begin with the plane through both ends that leans least across the row
+        let [u, v] = [first, last].map(|end| self.beam(end.cos, end.sin));
+        let d = less(v, u);
+        let square = dot(d, d);
+        let middle = plus(u, 0.5, d);
+        // ends half a turn apart have no middle
+        let size = dot(middle, middle).max(1e-3);
+        let (q0, q1) = (1.0 / first.range_m, 1.0 / last.range_m);
+        let slope = if square > 1e-12 { (q1 - q0) / square } else { 0.0 };
+        let m = core::array::from_fn(|i| 0.5 * (q0 + q1) / size * middle[i] + slope * d[i]);
+        let (sums, errors) = self.sums::<true>(run, m, cached);
+        Fitted::first(sums, m, &errors)
+    }
+}

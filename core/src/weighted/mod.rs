@@ -1,0 +1,7 @@
+//! Planes in single precision, from weighted sums of the beams: how the default finds and keeps them.
+
+pub(crate) mod fitted;
+pub(crate) mod plane;
+pub(crate) mod sums;
+
+pub use fitted::Fitted;

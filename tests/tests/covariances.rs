@@ -1,0 +1,285 @@
+//! The planes that the default reports: those of least squares of the range errors, and how far off
+//! they say that they may be.
+
+use nalgebra::{Matrix3, Matrix3x4, Matrix4, Matrix4x3, Vector3, Vector4};
+use scanseg_core::{Plane, PlaneConfig, Ranging, Rules, Segment, SegmentSums, TurnAxis};
+use scanseg_tests::checks::planes::{assert_sound, covariance};
+use scanseg_tests::scenes::uniform;
+use scanseg_tests::stream::{Angles, Record, Rig, Scan};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
+const ROWS: usize = 100;
+const COLUMNS: usize = 181;
+const NOISE_M: f64 = 0.005;
+/// What the default adds to what is stated: ranges are rounded, walls are not quite flat.
+const LEAST_NOISE_M: f64 = 0.0015;
+
+/// A normal number of mean 0 and variance 1, the same for the same arguments.
+fn normal(seed: u64, row: usize, column: usize) -> f64 {
+    let [u, v] = [0, 1].map(|i| uniform(2 * seed + i, row, column));
+    (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
+}
+
+/// The points p with normal . p = distance_m; the normal away from the scanner.
+#[derive(Clone, Copy)]
+struct Wall {
+    normal: Vector3<f64>,
+    distance_m: f64,
+}
+
+/// The walls of a box with the scanner in it, askew.
+fn walls() -> Vec<Wall> {
+    let (sin, cos) = 10f64.to_radians().sin_cos();
+    let (x, y, z) = (Vector3::new(cos, -sin, 0.0), Vector3::new(sin, cos, 0.0), Vector3::z());
+    let walls = [(x, 4.0), (-x, 3.0), (y, 3.0), (-y, 2.5), (z, 1.6), (-z, 1.0)];
+    walls.map(|(normal, distance_m)| Wall { normal, distance_m }).to_vec()
+}
+
+/// A scan and the wall of each pixel.
+struct Drawn {
+    scan: Scan,
+    walls: Vec<Wall>,
+    truth: Vec<usize>,
+}
+
+/// The room, drawn with noise by a tilting scanner with a pixel each degree; with `panels` small ones hang in it, 8 rows by 9 columns, each
+/// another way. `turn_off_rad`: standard deviation of the turn that is not reported.
+fn draw(seed: u64, panels: bool, noise_m: f64, turn_off_rad: f64) -> Drawn {
+    let step_rad = 1f32.to_radians();
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -90.0 * step_rad, step_rad }, axis: TurnAxis::Y };
+    let turn_rad: Vec<f32> = (0..ROWS).map(|row| (row as f32 - 50.0) * step_rad).collect();
+    let off = |row: usize| (turn_off_rad * normal(seed + (1 << 32), row, COLUMNS)) as f32;
+    let true_rad = turn_rad.iter().enumerate().map(|(row, turn)| turn + off(row)).collect();
+    let mut scan = Scan { columns: COLUMNS, range_m: vec![], turn_rad: true_rad, rig };
+    let (beams, mut walls) = (scan.reference_beams(), walls());
+    let nearest = |walls: &[Wall], u: Vector3<f64>| {
+        let inverse = |wall: &Wall| wall.normal.dot(&u) / wall.distance_m;
+        (0..walls.len()).map(|i| (i, inverse(&walls[i]))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
+    };
+    let mut panel_of = BTreeMap::new();
+    for (i, j) in (0..6).flat_map(|i| (0..4).map(move |j| (i, j))).filter(|_| panels) {
+        let (row, column) = (8 + 15 * i, 34 + 34 * j);
+        let u = beams.direction((row + 4, column + 4));
+        let tilted = u + Vector3::from_fn(|k, _| 0.8 * (uniform(9, i, 8 * k + j) - 0.5));
+        let (normal, range_m) = (tilted.normalize(), 0.6 / nearest(&walls[..6], u).1);
+        for pixel in (row..row + 8).flat_map(|row| (column..column + 9).map(move |column| (row, column))) {
+            panel_of.insert(pixel, walls.len());
+        }
+        walls.push(Wall { normal, distance_m: range_m * normal.dot(&u) });
+    }
+    let mut truth = vec![];
+    for (row, column) in scan.size().pixels() {
+        let u = beams.direction((row, column));
+        let wall = panel_of.get(&(row, column)).copied().unwrap_or_else(|| nearest(&walls[..6], u).0);
+        let range_m = walls[wall].distance_m / walls[wall].normal.dot(&u);
+        scan.range_m.push((range_m + noise_m * normal(seed, row, column)) as f32);
+        truth.push(wall);
+    }
+    scan.turn_rad = turn_rad;
+    Drawn { scan, walls, truth }
+}
+
+impl Drawn {
+    fn record(&self, turn_noise_rad: f32, rules: &'static Rules) -> Record {
+        let ranging = Ranging::new(NOISE_M as f32).with_turn_noise_rad(turn_noise_rad);
+        self.scan.record(PlaneConfig::new(ranging).with_rules(rules), 2 * COLUMNS)
+    }
+
+    /// For each wall the segment that is it, but for a tenth.
+    fn found(&self, record: &Record) -> Vec<(usize, Segment)> {
+        let (labels, segments) = (record.labels(), record.segments());
+        let mut both = BTreeMap::<(usize, u32), usize>::new();
+        let mut of_wall = vec![0; self.walls.len()];
+        for (&wall, &label) in self.truth.iter().zip(&labels) {
+            *both.entry((wall, label)).or_default() += 1;
+            of_wall[wall] += 1;
+        }
+        let is_it = |((wall, label), both): ((usize, u32), usize)| {
+            let segment = *segments.get(&label)?;
+            let either = of_wall[wall] + segment.pixels() as usize - both;
+            (10 * both > 9 * either).then_some((wall, segment))
+        };
+        both.into_iter().filter_map(is_it).collect()
+    }
+}
+
+/// The squared error of a plane in units of its covariance: of three degrees of freedom.
+fn squared_error(plane: &Plane, wall: &Wall) -> f64 {
+    let n = -wall.normal;
+    let a = n.cross(&if n.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }).normalize();
+    let b = n.cross(&a);
+    let tangents = Matrix3x4::from_fn(|i, j| match (i, j) {
+        (0, 0..3) => a[j],
+        (1, 0..3) => b[j],
+        (2, 3) => 1.0,
+        _ => 0.0,
+    });
+    let covariance = tangents * covariance(plane) * tangents.transpose();
+    let [x, y, z] = plane.normal.map(f64::from);
+    let error = Vector4::new(x - n.x, y - n.y, z - n.z, f64::from(plane.distance_m) - wall.distance_m);
+    let error = tangents * error;
+    (error.transpose() * covariance.try_inverse().expect("of rank 3") * error)[0]
+}
+
+/// Squared errors by wall. What else holds of every plane is asserted.
+fn squared_errors(draws: u64, panels: bool, turn_off_rad: f64) -> BTreeMap<usize, Vec<f64>> {
+    let mut squares = BTreeMap::<usize, Vec<f64>>::new();
+    for seed in 0..draws {
+        let drawn = draw(100 + seed, panels, NOISE_M, turn_off_rad);
+        for (wall, segment) in drawn.found(&drawn.record(turn_off_rad as f32, &Rules::TUNED)) {
+            let plane = segment.plane().expect("several rows");
+            assert_sound(&plane);
+            squares.entry(wall).or_default().push(squared_error(&plane, &drawn.walls[wall]));
+        }
+    }
+    squares
+}
+
+fn mean<'a>(squares: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let squares: Vec<_> = squares.into_iter().collect();
+    squares.iter().copied().sum::<f64>() / squares.len() as f64
+}
+
+/// The mean squared error of each wall; so many draws have 0.17 of chance in it.
+fn assert_walls(squares: &BTreeMap<usize, Vec<f64>>, least: f64, most: f64) {
+    for (wall, squares) in squares.range(..6) {
+        println!("wall {wall}: {:.2} of {} draws", mean(squares), squares.len());
+        assert!(squares.len() > DRAWS as usize * 9 / 10);
+    }
+    assert_eq!(squares.range(..6).count(), 5, "walls that are seen");
+    for squares in squares.range(..6).map(|(_, squares)| squares) {
+        assert!((least..most).contains(&mean(squares)));
+    }
+}
+
+const DRAWS: u64 = 200;
+
+/// At noise alone. 3 would be right; less is expected, because the default adds to the noise that is
+/// stated: to ranges, to beams where they graze, and to the turn of each row, which shows on floor
+/// and ceiling.
+#[test]
+fn large_planes_tell_how_far_off_they_are() {
+    let squares = squared_errors(DRAWS, false, 0.0);
+    assert_walls(&squares, 1.1, 3.3);
+    let all = mean(squares.values().flatten());
+    assert!((1.9..2.9).contains(&all), "{all}");
+}
+
+/// Rows whose turn is off by 0.05 deg, as is stated: what all pixels of a row share is in the
+/// covariance. Unsaid, the squared errors of the floor would be in the hundreds.
+#[test]
+fn turns_are_in_the_covariance() {
+    assert_walls(&squared_errors(DRAWS, false, 0.05f64.to_radians()), 2.0, 6.5);
+}
+
+/// Of small planes one of twenty is to be beyond the 95 % bound of three degrees of freedom.
+#[test]
+fn small_planes_tell_how_far_off_they_are() {
+    let squares = squared_errors(DRAWS / 2, true, 0.0);
+    let small: Vec<f64> = squares.range(6..).flat_map(|(_, squares)| squares).copied().collect();
+    let beyond = small.iter().filter(|&&square| square > 7.815).count() as f64 / small.len() as f64;
+    println!("{} panels: mean {:.2}, {:.3} beyond the bound", small.len(), mean(&small), beyond);
+    assert!(small.len() as u64 > 22 * DRAWS / 2 && (2.4..3.2).contains(&mean(&small)) && beyond < 0.1);
+}
+
+/// Weighted least squares in f64 of the pixels of a label: the plane m, its information, the sum of
+/// the weights, their mean beam, and chi-square.
+struct Exact {
+    m: Vector3<f64>,
+    information: Matrix3<f64>,
+    weight: f64,
+    beam: Vector3<f64>,
+    squares: f64,
+}
+
+impl Exact {
+    fn of(drawn: &Drawn, labels: &[u32], label: u32) -> Exact {
+        let beams = drawn.scan.reference_beams();
+        let pixels = drawn.scan.size().pixels().zip(labels).zip(&drawn.scan.range_m).filter(|((_, l), _)| **l == label);
+        let points: Vec<_> = pixels.map(|((pixel, _), &r)| (beams.direction(pixel), f64::from(r))).collect();
+        let mut exact = Exact {
+            m: Vector3::zeros(),
+            information: Matrix3::zeros(),
+            weight: 0.0,
+            beam: Vector3::zeros(),
+            squares: 0.0,
+        };
+        for step in 0..5 {
+            let mut right = Vector3::zeros();
+            let m = exact.m;
+            exact = Exact { information: Matrix3::zeros(), weight: 0.0, beam: Vector3::zeros(), squares: 0.0, ..exact };
+            for (u, range_m) in &points {
+                // the range error, linear in m; to begin with about the range itself
+                let q = if step == 0 { 1.0 / range_m } else { u.dot(&m) };
+                let error = if step == 0 { q } else { q * (1.0 - range_m * q) };
+                let weight = (q.powi(4) * (NOISE_M * NOISE_M + LEAST_NOISE_M * LEAST_NOISE_M)).recip();
+                exact.information += weight * u * u.transpose();
+                right += weight * error * u;
+                exact.weight += weight;
+                exact.beam += weight * u;
+                exact.squares += weight * error * error;
+            }
+            exact.m += exact.information.try_inverse().unwrap() * right;
+            exact.beam /= exact.weight;
+        }
+        exact
+    }
+
+    /// Covariance of normal and distance.
+    fn covariance(&self) -> Matrix4<f64> {
+        let distance_m = 1.0 / self.m.norm();
+        let n = -self.m * distance_m;
+        let to_normal = -distance_m * (Matrix3::identity() - n * n.transpose());
+        let change = Matrix4x3::from_fn(|i, j| if i < 3 { to_normal[(i, j)] } else { n[j] * distance_m * distance_m });
+        change * self.information.try_inverse().unwrap() * change.transpose()
+    }
+}
+
+/// Planes of all sizes, found row by row and from pieces, are those of weighted least squares in
+/// f64 of all their pixels, and so are their covariances, where the noise of ranges is all there is.
+/// At less noise than is stated none is measured, and no row is found to be off.
+#[test]
+fn planes_are_those_of_weighted_least_squares() {
+    static RANGES_ALONE: OnceLock<Rules> = OnceLock::new();
+    let rules = RANGES_ALONE.get_or_init(|| {
+        let mut rules = Rules::TUNED;
+        (rules.least_beam_rad, rules.turn_prior_rad) = (0.0, 0.0);
+        rules
+    });
+    let (mut compared, mut worst) = (0, 0f64);
+    for seed in 0..4 {
+        let drawn = draw(seed, true, 0.3 * NOISE_M, 0.0);
+        let record = drawn.record(0.0, rules);
+        let labels = record.labels();
+        for (_, segment) in drawn.found(&record) {
+            let exact = Exact::of(&drawn, &labels, segment.label.0);
+            let (plane, distance_m) = (segment.plane().unwrap(), 1.0 / exact.m.norm());
+            let SegmentSums::Fitted { pixels, fitted } = segment.sums else { panic!("{segment:?}") };
+            let [.., x, y, z, squares] = fitted.numbers();
+            let off = Vector3::new(x, y, z).cast::<f64>() - exact.m;
+            let off = (off.transpose() * exact.information * off)[0].sqrt();
+            worst = worst.max(off);
+            assert!(off < 0.05, "off by {off} standard deviations: {segment:?}");
+            assert!((f64::from(squares) / exact.squares - 1.0).abs() < 0.02, "{squares} {}", exact.squares);
+            let across = exact.m.dot(&exact.beam) * distance_m;
+            let mean_m = (exact.squares / exact.weight).sqrt() / exact.m.dot(&exact.beam).powi(2);
+            assert!((f64::from(plane.rms_m) / (mean_m * across) - 1.0).abs() < 0.02, "{plane:?} {mean_m} {across}");
+            let centroid_m = exact.beam / exact.m.dot(&exact.beam);
+            let centroid_off = Vector3::from(segment.centroid_m().map(f64::from)) - centroid_m;
+            assert!(centroid_off.norm() < 0.01, "{centroid_off}");
+            let scale = (exact.squares / f64::from(pixels - 3)).max(1.0);
+            let (found, expected) = (covariance(&plane), exact.covariance() * scale);
+            for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                // with the share of rounding
+                let [one, other] = [i, j].map(|i| expected[(i, i)] + 1e-11);
+                let size = (one * other).sqrt();
+                assert!((found[(i, j)] - expected[(i, j)]).abs() < 0.03 * size, "{found} {expected}");
+            }
+            compared += 1;
+        }
+    }
+    println!("{compared} planes, off by {worst:.3} standard deviations at most");
+    assert!(compared > 4 * 22);
+}
