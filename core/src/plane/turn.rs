@@ -6,8 +6,11 @@
 //! weighted median over some pixels, then by least squares over those that agree with it. It must
 //! explain much of the row's error to be believed, and on two planes at least, or be one by which
 //! the scanner went on: a wall square to the scanner that begins where a floor ends looks like a
-//! turn too, but back. Once a tenth of the rows, and
-//! three, were off, surfaces are allowed to be uneven by as much.
+//! turn too, but back.
+//!
+//! How far rows are off is learned from one row to the next, less what noise makes of it: what all
+//! rows are off by alike is how planes are tilted. Sums forgive so much, and surfaces may bend by
+//! it.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::{dot, inverse_sqrt};
@@ -34,7 +37,7 @@ pub(crate) const fn scratch_len(columns: usize) -> usize {
     size_of::<Sample>() / size_of::<f32>() * columns.div_ceil(stride(columns))
 }
 
-/// Most that one row tells, of what is known.
+/// Most that one row tells, as a multiple of the variance that is known.
 const MOST_MORE: f32 = 1000.0;
 /// Rows that are taken to have told nothing but what is expected.
 const PRIOR_ROWS: f32 = 4.0;
