@@ -78,7 +78,9 @@ impl Scanline<'_> {
     #[inline(always)]
     fn known(&self, range_m: f32) -> f32 {
         let range_m = self.ranging.clean(range_m);
-        if (range_m > 0.0) & (range_m < LEAST_RANGE_M) { LEAST_RANGE_M } else { range_m }
+        // the bits of positive numbers are in the order of the numbers; 0 is left out
+        let near = range_m.to_bits().wrapping_sub(1) < LEAST_RANGE_M.to_bits() - 1;
+        if near { LEAST_RANGE_M } else { range_m }
     }
 
     /// The direction of a beam.
