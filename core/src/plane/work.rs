@@ -84,6 +84,7 @@ mod tests {
 
     /// The work for each pixel has a bound, and does not grow with the columns.
     #[test]
+    #[cfg_attr(miri, ignore = "slow")]
     fn work_is_bounded() {
         for (name, range_m) in SCENES {
             let of_pixel = [113, 452, 1808, 16_384].map(|columns| work(range_m, columns));
