@@ -39,12 +39,13 @@ pub(crate) struct Followed<'a> {
 }
 
 /// Finds for each pixel of a row the slot whose plane it goes on with, or [`NONE`]. `above` are the
-/// slots above the row; `turn_rad2` is the variance of its turn that is left after its correction.
+/// slots above the row; `left2` is the variance of what the row is off by that is left after its
+/// correction: rad^2 of its turn, m^2 of the offset of its ring.
 pub(crate) fn follow(
     line: &Scanline,
     above: &[u16],
     areas: &Areas,
-    turn_rad2: f32,
+    left2: f32,
     bits: &mut Followed,
     slots: &mut [u16],
 ) {
@@ -58,7 +59,7 @@ pub(crate) fn follow(
     for (word, from) in (0..columns).step_by(CHUNK).enumerate() {
         line.lanes(from, &mut lanes);
         let width = CHUNK.min(columns - from);
-        best.of_chunk(line, &lanes, from, above, areas, turn_rad2);
+        best.of_chunk(line, &lanes, from, above, areas, left2);
         let chunk = if VECTORS { side_by_side } else { one_by_one };
         let [was_left, was_on, returned, far] = chunk(&mut ahead, &best.errors, &lanes.range_m, width, &prices);
         put(bits.was_left, word, was_left);
@@ -201,7 +202,7 @@ impl Best {
     const NONE: Best = Best { errors: [FAR; CHUNK], slots: [NONE; CHUNK] };
 
     /// Of the planes of the neighbours above.
-    fn of_chunk(&mut self, line: &Scanline, lanes: &Lanes, from: usize, above: &[u16], areas: &Areas, turn_rad2: f32) {
+    fn of_chunk(&mut self, line: &Scanline, lanes: &Lanes, from: usize, above: &[u16], areas: &Areas, left2: f32) {
         let columns = above.len();
         self.errors.fill(FAR);
         self.slots.fill(NONE);
@@ -209,7 +210,7 @@ impl Best {
         let rules = areas.rules;
         let mut add = |slot: u16, start: usize, end: usize| {
             if let Some(plane) = areas.plane(slot) {
-                self.add(slot, plane, start..end, line, lanes, turn_rad2, rules);
+                self.add(slot, plane, start..end, line, lanes, left2, rules);
             }
         };
         if line.wraps && from == 0 {
@@ -238,7 +239,7 @@ impl Best {
         pixels: Range<usize>,
         line: &Scanline,
         lanes: &Lanes,
-        turn_rad2: f32,
+        left2: f32,
         rules: &Rules,
     ) {
         count(pixels.len());
@@ -247,7 +248,7 @@ impl Best {
         let (variance, spread) = (line.variance, line.spread);
         let steep = dot(plane, plane);
         let most_turn = rules.most_turn;
-        let (turn_rad2, ring_m2) = if line.fan.spins() { (0.0, turn_rad2) } else { (turn_rad2, 0.0) };
+        let (turn_rad2, ring_m2) = if line.fan.spins() { (0.0, left2) } else { (left2, 0.0) };
         let offset_m = line.offset_m;
         let least = |a: f32, b: f32| if a < b { a } else { b };
         let errors = part_mut(&mut self.errors, pixels.clone());

@@ -9,17 +9,13 @@ use core::ops::{ControlFlow, Range};
 use crate::arithmetic::dot;
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
-use crate::plane::rules::TRIED_AREAS;
+use crate::plane::rules::{MOST_RATIO, TRIED_AREAS};
 use crate::plane::tried::Grown;
 use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
 use crate::sink::Sink;
 use crate::weighted::fitted::Fitted;
 use crate::weighted::sums::{Sums, cross};
-
-/// A line whose range is so many times that of an area does not belong to it, nor the other way
-/// round.
-const MOST_RATIO: f32 = 1.5;
 
 impl Areas<'_> {
     /// Squares for each point that the turn angle explains, on a plane m.
@@ -34,7 +30,7 @@ impl Areas<'_> {
 
     /// How badly a line fits an area, and the common plane; `None` if it does not fit.
     fn takes(&self, slot: u16, line: &Fitted, points: u32) -> Option<(f32, Fitted)> {
-        // quick, for most of what is no surface: one range is not far from the other
+        // most of what is no surface is told by its range, which is quick
         let u = line.sums.c;
         let (one, other) = (dot(u, line.m), dot(u, self.m(slot)));
         if one > MOST_RATIO * other || other > MOST_RATIO * one {

@@ -36,7 +36,7 @@ const STEP_GAP: usize = 4;
 /// if those that are not are mostly of so many sizes,
 const STEP_SIZES: usize = 6;
 /// and of so many in all.
-const SURE: u16 = 200;
+const FEWEST_STEPPED: u16 = 200;
 /// Of a chunk every so many second differences count.
 const STRIDE: usize = 3;
 
@@ -160,7 +160,7 @@ impl Measured {
                     let above = total - below;
                     let one_step: u16 = counts.iter().skip(step).take(STEP_SIZES).sum();
                     let coarse = below >= total / STEPPED && above >= total / STEPPED && one_step >= above - above / 4;
-                    return if coarse && total >= SURE { below } else { 0 };
+                    return if coarse && total >= FEWEST_STEPPED { below } else { 0 };
                 }
                 empty = 0;
             } else {

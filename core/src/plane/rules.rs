@@ -31,6 +31,28 @@ pub(crate) const BRIDGE_TRY: u32 = 5;
 /// Allowance of the quick test of such a pair for rounding.
 pub(crate) const SURE: f32 = 1.1;
 
+/// Budget of a row for joins across gaps, at least; else a quarter of the columns.
+pub(crate) const LEAST_BRIDGES: u32 = 16;
+
+/// Budget of the end of a scan for them, for each column. A larger one finds no more in offices.
+pub(crate) const LAST_BRIDGES: u32 = 16;
+
+/// A line whose range is so many times that of an area does not belong to it, nor the other way
+/// round. It saves a sixth of the work on noise alone.
+pub(crate) const MOST_RATIO: f32 = 1.5;
+
+/// Tangent by which lines are taken to lean across the row until they have a plane: 72 deg.
+pub(crate) const LEAN: f32 = 3.0;
+
+/// Of the variance of what a row is off by, what is left after its correction.
+pub(crate) const LEFT_OF_TURN: f32 = 0.25;
+
+/// Most that one row tells of what rows are off by, as a multiple of the variance that is known.
+pub(crate) const MOST_TOLD: f32 = 1000.0;
+
+/// Rows that are taken to have told nothing but what is expected.
+pub(crate) const PRIOR_ROWS: f32 = 4.0;
+
 /// The tuned numbers of [`PlaneSegmenter`](crate::PlaneSegmenter). They are the same for every
 /// scanner and scene; the noise of the ranges is a setting and stands in
 /// [`Ranging`](crate::Ranging).

@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use crate::arithmetic::dot;
 use crate::plane::noise::{Spread, Variance};
+use crate::plane::rules::LEAN;
 use crate::plane::scanline::{Along, At, Cached, Lanes, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::{CHUNK, VECTORS};
@@ -15,9 +16,6 @@ use crate::weighted::sums::{Errors, Sums, less, plus};
 /// One over the range at which a plane is met is at least this share of what was measured: beyond,
 /// it is no plane that the pixel could lie on.
 const LEAST_SHARE: f32 = 0.05;
-
-/// Tangent by which lines are taken to lean across the row until they have a plane: 72 deg.
-const LEAN: f32 = 3.0;
 
 /// Pixels that are summed side by side.
 const LANES: usize = 8;

@@ -31,6 +31,7 @@ use crate::plane::grower::Grower;
 use crate::plane::measure::Measured;
 use crate::plane::neighbours::join_neighbours;
 use crate::plane::noise::{Spread, Variance};
+use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_TURN};
 use crate::plane::scanline::{Cached, Scanline};
 use crate::plane::tried::{Tried, tried_len};
 use crate::plane::turn::Turns;
@@ -170,8 +171,8 @@ impl<'a> PlaneSegmenter<'a> {
     }
 
     /// The standard deviation of a range that counted in the last row, metres: that stated or that
-    /// measured in the scan, whichever is larger, and at least [`Rules::least_noise_m`]. Before the
-    /// first row and after [`Segmenter::finish`] it is that stated.
+    /// measured in the scan, whichever is larger, but no more than six times that stated, and at least
+    /// [`Rules::least_noise_m`]. Before the first row and after [`Segmenter::finish`] it is that stated.
     ///
     /// [`Rules::least_noise_m`]: crate::Rules::least_noise_m
     #[must_use]
@@ -211,8 +212,8 @@ impl<'a> PlaneSegmenter<'a> {
         let told2 = turns.told2(fan, rules);
         line.off2 = told2 + stated_rad2;
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
-        let turn_rad2 = LEFT_OF_TURN * told2 + stated_rad2;
-        follow(&line, carried.slots, areas, turn_rad2, &mut followed, slots);
+        let left2 = LEFT_OF_TURN * told2 + stated_rad2;
+        follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;
         let mut grower = Grower { line: &line, returns, cached: Cached::EMPTY };
@@ -240,13 +241,6 @@ impl<'a> PlaneSegmenter<'a> {
         ControlFlow::Continue(unlabelled)
     }
 }
-
-/// Of the variance of the turn what is left after its correction.
-const LEFT_OF_TURN: f32 = 0.25;
-/// Budget of the end of a scan for joins across gaps, for each column.
-const LAST_BRIDGES: u32 = 16;
-/// Least budget of a row.
-const LEAST_BRIDGES: u32 = 16;
 
 /// A row as it was pushed.
 fn scanline<'r>(

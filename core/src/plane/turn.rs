@@ -16,7 +16,7 @@
 use crate::arithmetic::{dot, inverse_sqrt};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::median::weighted_median;
-use crate::plane::rules::{Rules, TURN_PLANES, TURN_STRIDE};
+use crate::plane::rules::{MOST_TOLD, PRIOR_ROWS, Rules, TURN_PLANES, TURN_STRIDE};
 use crate::plane::scanline::{Along, Cached, Scanline};
 use crate::row::fan::Fan;
 use crate::row::slots::NONE;
@@ -37,11 +37,6 @@ pub(crate) const fn scratch_len(columns: usize) -> usize {
     size_of::<Sample>() / size_of::<f32>() * columns.div_ceil(stride(columns))
 }
 
-/// Most that one row tells, as a multiple of the variance that is known.
-const MOST_MORE: f32 = 1000.0;
-/// Rows that are taken to have told nothing but what is expected.
-const PRIOR_ROWS: f32 = 4.0;
-
 /// What a row is off by.
 #[derive(Clone, Copy, Debug)]
 struct Off {
@@ -55,9 +50,9 @@ struct Off {
 /// What is known of the turn angles of a scan.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Turns {
-    /// Rows that could tell, as the one before, and the sum of the variances that they told; rows
-    /// count by how well they tell.
+    /// Rows that could tell, as did the row before; each counts by how well it tells.
     told: f32,
+    /// Sum of the variances that they told, weighted alike.
     squares2: f32,
     /// What the last row was off by, if it told.
     last: Option<Off>,
@@ -84,7 +79,7 @@ impl Turns {
         let told2 = 0.5 * (more * more - noise2);
         // one row alone does not speak for all either
         let known2 = self.variance(expected2);
-        let most2 = MOST_MORE * if known2 > expected2 { known2 } else { expected2 };
+        let most2 = MOST_TOLD * if known2 > expected2 { known2 } else { expected2 };
         self.told += weight;
         self.squares2 += weight * if told2 < most2 { told2 } else { most2 };
     }
@@ -130,6 +125,7 @@ impl Turns {
         step != 0.0 && share > rules.turn_alone_least && share < rules.turn_alone_most
     }
 
+    /// What a row is off by; `None` if it does not tell, or if what it tells is not believed.
     fn find(&self, line: &Scanline, above: &[u16], areas: &Areas, turn_rad: f32, scratch: &mut [f32]) -> Option<Off> {
         let rules = areas.rules;
         let turns = line.fan.axis() != [0.0; 3];
@@ -203,8 +199,8 @@ fn samples<'s>(
     part_mut(samples, 0..count)
 }
 
-/// What a row is off by that is where it is said to be, as most rows are: nine of ten samples are on
-/// their plane, and on the whole to neither side.
+/// The little that a row is off by if it is where it is said to be, as most rows are: nine of ten
+/// samples are on their plane, and on the whole to neither side. `None` if it is not.
 fn as_reported(samples: &[Sample], rules: &Rules) -> Option<Off> {
     let (mut products, mut squares, mut far) = (0.0, 1.0, 0);
     for [error, slope, _] in samples.iter() {
