@@ -192,6 +192,17 @@ fn agreement(one: &[u32], other: &[u32]) -> f64 {
     share(one, other).min(share(other, one))
 }
 
+/// Rows of spinning scanners and of cameras do not turn: what is stated of their turn is nothing.
+#[test]
+fn turns_are_those_of_nodding_scanners() {
+    for rig in 3..7 {
+        let scan = scan_of(24, 64, rig, 2, 7);
+        let room = live_labels(scan.columns);
+        let stated = PlaneConfig::new(DEFAULT.ranging.with_turn_noise_rad(0.05));
+        assert_eq!(scan.record(stated, room), scan.record(DEFAULT, room), "{:?}", scan.rig);
+    }
+}
+
 /// A simulated office at 1 deg.
 fn office(scene: u32, noise_m: f64) -> (Scan, PlaneConfig) {
     let (rows, columns) = (100, 181);

@@ -287,7 +287,8 @@ typedef struct scanseg_config {
      */
     float beam_noise_rad;
     /**
-     * Plane: standard deviation of the turn angle of a row, radians; 0 to 0.1, default 0.
+     * Plane: standard deviation of the turn angle of a row, radians; 0 to 0.1, default 0. Of nodding
+     * scanners only.
      */
     float turn_noise_rad;
     /**

@@ -104,7 +104,8 @@ pub struct Config {
     /// Plane: standard deviation of the direction of a beam within its row, radians; 0 to 0.1,
     /// default 0.
     pub beam_noise_rad: f32,
-    /// Plane: standard deviation of the turn angle of a row, radians; 0 to 0.1, default 0.
+    /// Plane: standard deviation of the turn angle of a row, radians; 0 to 0.1, default 0. Of nodding
+    /// scanners only.
     pub turn_noise_rad: f32,
     /// Plane: surfaces are flat to this, one standard deviation across the plane, metres; 0 to 10,
     /// default 0.

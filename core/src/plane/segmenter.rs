@@ -34,7 +34,7 @@ use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_TURN};
 use crate::plane::scanline::{Cached, Scanline};
 use crate::plane::tried::{Tried, tried_len};
-use crate::plane::turn::Turns;
+use crate::plane::turn::{Turns, stated2};
 use crate::row::bits::{CHUNK, load, pack_where, words};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::slots::NONE;
@@ -208,11 +208,10 @@ impl<'a> PlaneSegmenter<'a> {
                 line.turned_rad = by;
             }
         }
-        let stated_rad2 = config.ranging.turn_noise_rad * config.ranging.turn_noise_rad;
-        let told2 = turns.told2(fan, rules);
-        line.off2 = told2 + stated_rad2;
+        let (stated2, told2) = (stated2(fan, &config.ranging), turns.told2(fan, rules));
+        line.off2 = stated2 + told2;
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
-        let left2 = LEFT_OF_TURN * told2 + stated_rad2;
+        let left2 = stated2 + LEFT_OF_TURN * told2;
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;
