@@ -33,7 +33,7 @@ pub(crate) struct Scanline<'a> {
     /// the turn.
     pub offset_m: f32,
     /// Variance of what all pixels of the row are off by alike: rad^2 of its turn, m^2 of the offset
-    /// of its ring.
+    /// of its ring. To begin with what is stated, then with what the scan tells.
     pub off2: f32,
     /// Columns without a return that lines and runs go across.
     pub gap_columns: usize,

@@ -34,7 +34,7 @@ use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_TURN};
 use crate::plane::scanline::{Cached, Scanline};
 use crate::plane::tried::{Tried, tried_len};
-use crate::plane::turn::{Turns, stated2};
+use crate::plane::turn::Turns;
 use crate::row::bits::{CHUNK, load, pack_where, words};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::slots::NONE;
@@ -208,10 +208,10 @@ impl<'a> PlaneSegmenter<'a> {
                 line.turned_rad = by;
             }
         }
-        let (stated2, told2) = (stated2(fan, &config.ranging), turns.told2(fan, rules));
-        line.off2 = stated2 + told2;
+        let told2 = turns.told2(fan, rules);
+        let left2 = line.off2 + LEFT_OF_TURN * told2;
+        line.off2 += told2;
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
-        let left2 = stated2 + LEFT_OF_TURN * told2;
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;
@@ -249,11 +249,11 @@ fn scanline<'r>(
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
-    let (ranging, frame) = (&config.ranging, fan.frame(beam));
+    let (ranging, frame, axis) = (&config.ranging, fan.frame(beam), fan.axis());
     Scanline {
         ranging,
         fan,
-        turns: cross(fan.axis(), frame.p),
+        turns: cross(axis, frame.p),
         frame,
         ranges_m,
         wraps: fan.wraps(),
@@ -262,7 +262,8 @@ fn scanline<'r>(
         alike_px: ranging.noise_correlation_px,
         turned_rad: 0.0,
         offset_m: 0.0,
-        off2: 0.0,
+        // stated where rows turn; none is stated of the offsets of rings
+        off2: if axis == [0.0; 3] { 0.0 } else { ranging.turn_noise_rad * ranging.turn_noise_rad },
         gap_columns: config.rules.gap_columns,
     }
 }

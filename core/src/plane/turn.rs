@@ -14,7 +14,6 @@
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::{dot, inverse_sqrt};
-use crate::config::Ranging;
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::median::weighted_median;
 use crate::plane::rules::{MOST_TOLD, PRIOR_ROWS, Rules, TURN_PLANES, TURN_STRIDE};
@@ -97,8 +96,8 @@ impl Turns {
     }
 
     /// What a row is off by: its turn beyond what was reported, radians; of a spinning scanner all
-    /// its ranges, metres. `None` for a row that is not off, or does not tell. `scratch` has
-    /// [`scratch_len`] elements.
+    /// its ranges, metres. `None` for a row that is not off, or does not tell. The line has the
+    /// variance that is stated of that; `scratch` has [`scratch_len`] elements.
     pub fn of_row(
         &mut self,
         line: &Scanline,
@@ -143,7 +142,7 @@ impl Turns {
         }
         let off = estimate(samples, expected, rules);
         let by = off.by;
-        let known = stated2(line.fan, line.ranging) + self.told2(line.fan, rules);
+        let known = line.off2 + self.told2(line.fan, rules);
         let (gain, several) = explained(samples, by, areas);
         let believed = gain > rules.turn_gain
             && gain > rules.turn_gain_per_pixel * samples.len() as f32
@@ -151,12 +150,6 @@ impl Turns {
             && (several || self.went_on(by, turn_rad, rules) || by * by <= 9.0 * known);
         believed.then_some(off)
     }
-}
-
-/// Variance of what rows of this scanner are off by, as stated: of the turn angle, rad^2, where rows
-/// turn; none is stated of the offsets of rings.
-pub(crate) fn stated2(fan: &Fan, ranging: &Ranging) -> f32 {
-    if fan.axis() == [0.0; 3] { 0.0 } else { ranging.turn_noise_rad * ranging.turn_noise_rad }
 }
 
 /// Variance of what rows are off by that is expected before any row tells.
