@@ -249,11 +249,11 @@ fn scanline<'r>(
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
-    let (ranging, frame, axis) = (&config.ranging, fan.frame(beam), fan.axis());
+    let (ranging, frame) = (&config.ranging, fan.frame(beam));
     Scanline {
         ranging,
         fan,
-        turns: cross(axis, frame.p),
+        turns: cross(fan.axis(), frame.p),
         frame,
         ranges_m,
         wraps: fan.wraps(),
@@ -263,7 +263,7 @@ fn scanline<'r>(
         turned_rad: 0.0,
         offset_m: 0.0,
         // stated where rows turn; none is stated of the offsets of rings
-        off2: if axis == [0.0; 3] { 0.0 } else { ranging.turn_noise_rad * ranging.turn_noise_rad },
+        off2: if fan.turns() { ranging.turn_noise_rad * ranging.turn_noise_rad } else { 0.0 },
         gap_columns: config.rules.gap_columns,
     }
 }

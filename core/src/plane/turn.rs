@@ -91,7 +91,7 @@ impl Turns {
 
     /// Variance of what rows of this scanner are off by, as the scan tells it.
     pub fn told2(&self, fan: &Fan, rules: &Rules) -> f32 {
-        let known = fan.spins() || fan.axis() != [0.0; 3];
+        let known = fan.spins() || fan.turns();
         if known { self.variance(expected2(fan.spins(), rules)) } else { 0.0 }
     }
 
@@ -128,7 +128,7 @@ impl Turns {
     /// What a row is off by; `None` if it does not tell, or if what it tells is not believed.
     fn find(&self, line: &Scanline, above: &[u16], areas: &Areas, turn_rad: f32, scratch: &mut [f32]) -> Option<Off> {
         let rules = areas.rules;
-        let turns = line.fan.axis() != [0.0; 3];
+        let turns = line.fan.turns();
         if !turns && !line.fan.spins() {
             return None;
         }
@@ -168,7 +168,7 @@ fn samples<'s>(
     scratch: &'s mut [f32],
 ) -> &'s mut [Sample] {
     let rules = areas.rules;
-    let turns = line.fan.axis() != [0.0; 3];
+    let turns = line.fan.turns();
     let samples = scratch.as_chunks_mut().0;
     let mut count = 0;
     let (mut known, mut along, mut cached) = (FULL, None, Cached::EMPTY);

@@ -68,6 +68,11 @@ impl<'a> Fan<'a> {
         matches!(self.beams, Beams::Spinning { wraps: true, .. })
     }
 
+    /// Whether rows turn about an axis, as those of a nodding scanner.
+    pub fn turns(&self) -> bool {
+        matches!(self.beams, Beams::Nodding { .. })
+    }
+
     /// Whether rows are the rings of a spinning scanner.
     pub fn spins(&self) -> bool {
         matches!(self.beams, Beams::Spinning { .. })
