@@ -4,8 +4,9 @@
 
 use core::ops::ControlFlow;
 use scanseg_core::{
-    AnyConfig, AnySegmenter, Approach, Beams, ColumnTurns, Columns, EdgeConfig, Join, LabelRow, Memory, Pixel, PlaneConfig,
-    PushError, Ranging, RegionConfig, Row, RowBeams, Segment, Segmenter, Sink, Trace, TurnAxis, bearing_row,
+    AnyConfig, AnySegmenter, Approach, Beams, ColumnTurns, Columns, EdgeConfig, Join, LabelRow, Memory, Pixel,
+    PlaneConfig, PushError, Ranging, RegionConfig, Row, RowBeams, Segment, Segmenter, Sink, Trace, TurnAxis,
+    bearing_row,
 };
 use scanseg_tests::scenes::uniform;
 use std::collections::BTreeMap;
