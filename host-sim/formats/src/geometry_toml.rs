@@ -3,12 +3,11 @@
 //! Keys are taken out of the table one by one, so that every error names its key and what remains
 //! is unknown.
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 
 use toml::{Table, Value};
 
-use crate::file::FileError;
+use crate::file::{FileError, read_at_most};
 use crate::geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
 use crate::noise::Noise;
 use crate::sensors::{KNOWN, Sensor};
@@ -16,6 +15,9 @@ use crate::sensors::{KNOWN, Sensor};
 const NODDING: &str = "nodding";
 const SPINNING: &str = "spinning";
 const PINHOLE: &str = "pinhole";
+
+/// No geometry file is longer: 65 535 + 16 384 angles and a comment at each.
+const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Geometry {
     /// Reads the text of a geometry file, version 1.
@@ -68,7 +70,8 @@ impl Geometry {
     /// Names the file, and says what the system or [`Geometry::parse`] says.
     pub fn read(path: impl AsRef<Path>) -> Result<Geometry, FileError> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|e| FileError::new(path, e))?;
+        let bytes = read_at_most(path, MAX_FILE_BYTES).map_err(|e| FileError::new(path, e))?;
+        let text = String::from_utf8(bytes).map_err(|e| FileError::new(path, e.utf8_error()))?;
         Geometry::parse(&text).map_err(|e| FileError::new(path, e))
     }
 
