@@ -279,7 +279,18 @@ pub enum GeometryError {
 impl GeometryError {
     /// [`GeometryError::Value`] of anything that prints.
     pub(crate) fn value(key: &str, found: impl fmt::Debug, rule: &'static str) -> Self {
-        GeometryError::Value { key: key.into(), found: format!("{found:?}").replace('"', ""), rule }
+        GeometryError::Value { key: short(key), found: short(&format!("{found:?}").replace('"', "")), rule }
+    }
+}
+
+/// The most characters of a key or value of a file in a message.
+const MOST: usize = 40;
+
+/// Returns the text, or its beginning if it is long.
+pub(crate) fn short(text: &str) -> String {
+    match text.char_indices().nth(MOST) {
+        None => text.to_string(),
+        Some((end, _)) => format!("{}...", &text[..end]),
     }
 }
 

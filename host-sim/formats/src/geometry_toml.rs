@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use crate::file::{FileError, read_at_most};
-use crate::geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+use crate::geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis, short};
 use crate::noise::Noise;
 use crate::sensors::{KNOWN, Sensor};
 
@@ -243,7 +243,7 @@ impl Keys {
 
     fn finish(self, kind: &'static str) -> Result<(), GeometryError> {
         match self.table.keys().next() {
-            Some(key) => Err(GeometryError::Unknown { key: self.name(key), kind }),
+            Some(key) => Err(GeometryError::Unknown { key: short(&self.name(key)), kind }),
             None => Ok(()),
         }
     }
