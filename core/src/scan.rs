@@ -91,7 +91,7 @@ impl Progress {
         if ranges_m.len() != columns {
             return Err(PushError::RowLength { expected: columns, got: ranges_m.len() });
         }
-        // turn angles of 1000 turns still have a resolution of 0.03 deg; NaN is not within
+        // turn angles of 6300 rad still have a resolution of 0.03 deg; NaN is not within
         if !(-6300.0..=6300.0).contains(&turn_rad) {
             return Err(PushError::TurnAngle { turn_rad });
         }
