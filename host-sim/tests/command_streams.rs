@@ -162,7 +162,9 @@ fn control_characters_are_escaped_and_long_values_cut() {
     fs::write(folder.join("key.toml"), format!("{GEOMETRY}\"\\u001b[31m\\u0000\\u0007\\r\" = 1\n")).unwrap();
     fs::write(folder.join("long.toml"), format!("{GEOMETRY}{long} = 1\n")).unwrap();
     fs::write(folder.join("value.toml"), GEOMETRY.replace("pinhole", &"v ".repeat(1000))).unwrap();
-    for (geometry, says) in [("key.toml", "\\u{1b}[31m\\u{0}\\u{7}\\r"), ("long.toml", "kkk..."), ("value.toml", "v v ...")] {
+    for (geometry, says) in
+        [("key.toml", "\\u{1b}[31m\\u{0}\\u{7}\\r"), ("long.toml", "kkk..."), ("value.toml", "v v...\"")]
+    {
         let said = said(&["segment", "scan.pgm", "--geometry", geometry, "--out", "out"]);
         assert!(said.contains(says), "{said}");
         assert!(said.len() < 600 && !said.trim_end_matches('\n').contains(char::is_control), "{said:?}");

@@ -3,8 +3,10 @@
 pub mod capture;
 pub mod file;
 pub mod geometry;
+mod geometry_error;
 mod geometry_toml;
 pub mod grey_image;
+mod limits;
 mod noise;
 pub mod range_image;
 mod sensors;
@@ -12,7 +14,8 @@ mod write;
 
 pub use capture::{Capture, CaptureError};
 pub use file::{FileError, read_at_most};
-pub use geometry::{Angles, Depth, Geometry, GeometryError, Kind, TurnAxis};
+pub use geometry::{Angles, Depth, Geometry, Kind, TurnAxis};
+pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};

@@ -67,6 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn other_version(name: &str, version: u8) -> String {
     match version {
         VERSION => format!("{name}: its sender now speaks version {VERSION} of the link"),
-        _ => format!("{name}: its sender speaks version {version} of the link, not {VERSION}: what follows may be wrong"),
+        _ => {
+            format!("{name}: its sender speaks version {version} of the link, not {VERSION}: what follows may be wrong")
+        }
     }
 }
