@@ -163,7 +163,7 @@ fn control_characters_are_escaped_and_long_values_cut() {
     fs::write(folder.join("long.toml"), format!("{GEOMETRY}{long} = 1\n")).unwrap();
     fs::write(folder.join("value.toml"), GEOMETRY.replace("pinhole", &"v ".repeat(1000))).unwrap();
     for (geometry, says) in
-        [("key.toml", "\\u{1b}[31m\\u{0}\\u{7}\\r"), ("long.toml", "kkk..."), ("value.toml", "v v...\"")]
+        [("key.toml", "\\u{1b}[31m\\u{0}\\u{7}\\r"), ("long.toml", "kkk..."), ("value.toml", "v v ...\"")]
     {
         let said = said(&["segment", "scan.pgm", "--geometry", geometry, "--out", "out"]);
         assert!(said.contains(says), "{said}");
