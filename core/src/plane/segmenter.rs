@@ -39,9 +39,9 @@ use crate::row::bits::{CHUNK, load, pack_where, words};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::slots::NONE;
 use crate::row::within::{at, part_mut, split_mut};
+use crate::row_beams::RowBeams;
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
-use crate::weighted::sums::cross;
 
 /// Segments a scan while it comes in, row by row, by planes that go on from row to row. Its latency
 /// is 0 rows.
@@ -102,17 +102,17 @@ impl fmt::Debug for PlaneSegmenter<'_> {
 }
 
 impl Segmenter for PlaneSegmenter<'_> {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError> {
-        let row = self.progress.begin_row(ranges_m, turn_rad, self.columns)?;
-        Ok(match self.grow(RowBeam { row, turn_rad }, ranges_m, sink) {
+        let beam = self.progress.begin_row(ranges_m, beams.into(), self.columns, (&self.fan, &self.config.ranging))?;
+        Ok(match self.grow(beam, ranges_m, sink) {
             ControlFlow::Continue(unlabelled) => {
                 self.progress.labelled(unlabelled);
-                Status::Labelled { row, unlabelled }
+                Status::Labelled { row: beam.row, unlabelled }
             }
             ControlFlow::Break(()) => {
                 self.reset();
@@ -201,7 +201,7 @@ impl<'a> PlaneSegmenter<'a> {
         self.measured.look_at(&line, beam.row);
         line.variance = self.measured.variance(&self.stated, rules);
         areas.row = beam.row as u16;
-        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.turn_rad, self.scratch) {
+        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.beams.turn_rad, self.scratch) {
             if fan.spins() {
                 line.offset_m = by;
             } else {
@@ -245,7 +245,7 @@ impl<'a> PlaneSegmenter<'a> {
 fn scanline<'r>(
     config: &'r PlaneConfig,
     fan: &'r Fan<'r>,
-    beam: RowBeam,
+    beam: RowBeam<'r>,
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
@@ -253,7 +253,6 @@ fn scanline<'r>(
     Scanline {
         ranging,
         fan,
-        turns: cross(fan.axis(), frame.p),
         frame,
         ranges_m,
         wraps: fan.wraps(),

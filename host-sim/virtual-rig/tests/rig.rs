@@ -5,7 +5,7 @@ mod tilted;
 
 use std::rc::Rc;
 
-use scanseg_core::{Finished, MAX_ROWS, PushError, Segmenter, Sink, Status};
+use scanseg_core::{Finished, MAX_ROWS, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{Baud, Session, Settings, Trouble, Variant};
@@ -255,7 +255,12 @@ fn round_and_round() {
 struct Full(usize, usize, Result<Status, PushError>);
 
 impl Segmenter for Full {
-    fn push_row<S: Sink + ?Sized>(&mut self, _: &[f32], _: f32, _: &mut S) -> Result<Status, PushError> {
+    fn push_row<'r, S: Sink + ?Sized>(
+        &mut self,
+        _: &[f32],
+        _: impl Into<RowBeams<'r>>,
+        _: &mut S,
+    ) -> Result<Status, PushError> {
         self.1 += 1;
         if self.1 < self.0 { Ok(Status::Buffered) } else { self.2 }
     }
