@@ -68,7 +68,7 @@ pub enum PushError {
         /// Ranges in the row, or directions.
         got: usize,
     },
-    /// The turn angle is NaN or infinite, or beyond 1000 turns.
+    /// The turn angle is NaN or infinite, or beyond 6300 rad.
     TurnAngle {
         /// What was given, radians.
         turn_rad: f32,

@@ -38,8 +38,17 @@ fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
     assert_eq!(counters.scans as usize, seen.started.len());
     assert_eq!(counters.dropped() as usize, seen.dropped.len());
     assert_eq!(counters.troubles as usize, seen.troubles.len());
-    let held = counters.telegrams - counters.rows - counters.dropped();
-    assert!(held <= 1, "{counters:?}");
+    let under_way = |counters: &Counters| counters.telegrams - counters.rows - counters.dropped();
+    assert!(under_way(counters) <= 1, "{counters:?}");
+    for scan in &seen.finished {
+        let expected = match scan.end {
+            // the row held, and the one that agrees with it
+            End::Turned => 2,
+            End::Covered => 1,
+            End::Pause | End::Trouble | End::Asked => 0,
+        };
+        assert_eq!(under_way(&scan.counters), expected, "{scan:?}");
+    }
 }
 
 fn check_bench(bench: &Bench, within_rad: f64) {
