@@ -33,6 +33,10 @@ others=$(grep -v '^scanseg_' <<<"$names" || true)
 [ -n "$names" ] && [ -z "$others" ] || { echo "exported: $others"; exit 1; }
 wanted=$(nm -u "$lib/libscanseg.a" | awk '$1 == "U" { print $2 }' | sort | tr '\n' ' ')
 [ "$wanted" = "memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
+if [ "$(uname)" = Linux ]; then
+    dynamic=$(nm -D --defined-only "$lib/libscanseg.so" | awk '{ print $3 }' | sort)
+    [ "$dynamic" = "$(sort <<<"$names")" ] || { echo "exported by libscanseg.so: $dynamic"; exit 1; }
+fi
 echo "exported: $(wc -l <<<"$names") functions scanseg_*; wanted from C: $wanted"
 
 c="-std=c99 -g -O1 -Wall -Wextra -pedantic -Werror"
@@ -85,12 +89,22 @@ if have cmake && have g++; then
     quiet cmake -S "$capi/examples" -B examples -DCMAKE_PREFIX_PATH="$prefix"
     quiet cmake --build examples
     quiet examples/organised_cloud
-    echo "find_package(scanseg): found, linked, runs"
+    shared() { ldd "$1" | grep -q "libscanseg.so.[0-9]* => $prefix/"; }
+    if [ "$(uname)" = Linux ]; then
+        quiet examples/organised_cloud_shared
+        shared examples/organised_cloud_shared || { echo "scanseg::shared is not used"; exit 1; }
+        ! shared examples/organised_cloud || { echo "scanseg::scanseg is not static"; exit 1; }
+    fi
+    echo "find_package(scanseg): found, linked, runs, static and shared"
     if have pkg-config && have make; then
         mkdir make
         cp "$capi"/examples/{Makefile,*.c,*.cpp} make
-        PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name scanseg.pc)") quiet make -C make
+        pc=$(dirname "$(find "$prefix" -name scanseg.pc)")
+        PKG_CONFIG_PATH=$pc quiet make -C make
+        export LD_LIBRARY_PATH=${pc%/pkgconfig}
         quiet make/organised_cloud
+        [ "$(uname)" != Linux ] || shared make/organised_cloud || { echo "pkg-config: not the shared library"; exit 1; }
+        unset LD_LIBRARY_PATH
         echo "pkg-config and make: found, linked, runs"
     else
         echo "skipped: pkg-config or make is not here"
