@@ -54,6 +54,7 @@ for cc in gcc clang; do
         # shellcheck disable=SC2086
         {
             quiet $cc $c $sanitize -I"$capi/include" "$capi/tests/smoke.c" "$lib/libscanseg.a" -o smoke-$cc$kind
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/wall.c" "$lib/libscanseg.a" -lm -o wall-$cc$kind
             quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/segment_pgm.c" "$lib/libscanseg.a" -lm \
                 -o segment_pgm-$cc$kind
             quiet ${cc/gcc/g}++ $cxx $sanitize -I"$capi/include" "$capi/examples/organised_cloud.cpp" \
@@ -61,9 +62,10 @@ for cc in gcc clang; do
             quiet ${cc/gcc/g}++ ${cxx/-fno-exceptions -fno-rtti/-DSCANSEG_EXCEPTIONS} $sanitize -I"$capi/include" \
                 "$capi/tests/smoke.cpp" "$lib/libscanseg.a" -o smoke_cpp-$cc$kind
         }
-        for program in smoke smoke_cpp organised_cloud; do
+        for program in smoke smoke_cpp organised_cloud wall; do
             quiet "./$program-$cc$kind"
         done
+        [[ $(cat log) = "10860 pixels, 2.000 m away, normal -1.000"* ]] || { cat log; echo "not the wall"; exit 1; }
     done
     built=$((built + 1))
     echo "$cc: built without warnings; runs${kinds[1]+, also with AddressSanitizer}"
