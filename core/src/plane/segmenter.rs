@@ -46,34 +46,21 @@ use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 /// Segments a scan while it comes in, row by row, by planes that go on from row to row. Its latency
 /// is 0 rows.
 ///
+/// The [crate's front page](crate) has a whole program.
+///
 /// ```
-/// use core::ops::ControlFlow;
-/// use scanseg_core::{
-///     Beams, Columns, LabelRow, PlaneConfig, PlaneSegmenter, Ranging, Segment, Segmenter, Sink,
-///     TurnAxis, buffers,
-/// };
+/// use scanseg_core::{Beams, ConfigError, PlaneConfig, PlaneSegmenter, Ranging, buffers};
 ///
-/// struct Print;
-/// impl Sink for Print {
-///     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
-///         ControlFlow::Continue(())
-///     }
-///     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-///         println!("{}: {} pixels, {:?}", segment.label, segment.pixels(), segment.plane());
-///         ControlFlow::Continue(())
-///     }
-/// }
+/// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.005)); // 5 mm of noise
 ///
-/// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
-/// let columns = Columns::Even { start_rad: -0.5, step_rad: 0.01 };
-/// let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-/// let mut buffers = <buffers!(101, CONFIG)>::EMPTY;
-/// let mut segmenter = PlaneSegmenter::new(CONFIG, beams, 101, buffers.memory())?;
-/// for row in 0..50 {
-///     segmenter.push_row(&[2.0; 101], 0.01 * row as f32, &mut Print)?;
+/// fn main() -> Result<(), ConfigError> {
+///     // a depth camera of 640 columns
+///     let beams = Beams::Pinhole { fx_px: 575.8, fy_px: 575.8, cx_px: 319.5, cy_px: 239.5 };
+///     let mut buffers = <buffers!(640, CONFIG)>::EMPTY;
+///     let segmenter = PlaneSegmenter::new(CONFIG, beams, 640, buffers.memory())?;
+///     println!("{segmenter:?}");
+///     Ok(())
 /// }
-/// segmenter.finish(&mut Print);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct PlaneSegmenter<'a> {
     config: PlaneConfig,
