@@ -7,6 +7,7 @@ pub mod geometry;
 mod geometry_error;
 mod geometry_toml;
 pub mod grey_image;
+pub mod lidar;
 mod limits;
 mod noise;
 pub mod range_image;
