@@ -2,6 +2,7 @@
 
 mod beside;
 pub mod capture;
+mod cloud;
 pub mod file;
 pub mod geometry;
 mod geometry_error;
@@ -11,6 +12,8 @@ pub mod lidar;
 mod limits;
 mod noise;
 pub mod range_image;
+pub mod scan;
+mod scan_error;
 mod sensors;
 mod write;
 
@@ -22,6 +25,8 @@ pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};
+pub use scan::{CameraOptions, Format, ReadOptions, Scan, ScanFile};
+pub use scan_error::ScanError;
 pub use sensors::{SENSORS, Sensor};
 pub use write::{remove_temporaries, write_all_or_none, write_atomic};
 

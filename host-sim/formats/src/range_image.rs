@@ -45,6 +45,13 @@ impl RangeImage {
         Ok(RangeImage { rows: image.rows, columns: image.columns, range_m: range_m.collect() })
     }
 
+    /// Leaves out ranges outside of the limits of a geometry.
+    pub(crate) fn keep_within(&mut self, geometry: &Geometry) {
+        let min_m = geometry.min_range_m.unwrap_or(0.0) as f32;
+        let max_m = geometry.max_range_m.map_or(f32::MAX, |m| m as f32);
+        self.range_m.iter_mut().filter(|m| !(min_m..=max_m).contains(*m)).for_each(|m| *m = 0.0);
+    }
+
     /// Returns the counts of the ranges, to the nearest, in an image of 16 bits. A range that is
     /// not above 0, infinite or not a number is no return, 0. One that rounds to 0 or to a count of
     /// `no_return` reads back as no return, and so does one beyond the limits of the geometry.
