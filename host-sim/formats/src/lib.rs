@@ -15,6 +15,7 @@ pub mod range_image;
 pub mod scan;
 mod scan_error;
 mod sensors;
+mod streamed;
 mod write;
 
 pub use beside::Beside;

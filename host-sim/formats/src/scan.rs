@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::file::{Cause, FileError};
 use crate::geometry::Geometry;
 use crate::grey_image::GreyImage;
+use crate::lidar::{Datagrams, ld06, pcap};
 use crate::range_image::RangeImage;
 use crate::scan_error::ScanError;
 
@@ -59,6 +60,10 @@ pub struct CameraOptions {
 pub enum Format {
     /// A grey image, PGM or PNG.
     Grey,
+    /// A packet capture of a lidar: pcap or pcapng.
+    Packets,
+    /// Bytes of an LD06.
+    Ld06,
 }
 
 impl Format {
@@ -67,6 +72,12 @@ impl Format {
         let netpbm = head.len() >= 2 && head[0] == b'P' && (b'1'..=b'7').contains(&head[1]);
         if netpbm || head.starts_with(b"\x89PNG\r\n\x1a\n") {
             return Some(Format::Grey);
+        }
+        if Datagrams::is_capture(head) {
+            return Some(Format::Packets);
+        }
+        if ld06::is_ld06(head) {
+            return Some(Format::Ld06);
         }
         None
     }
@@ -162,6 +173,8 @@ fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Caus
     let source = Source::open(path)?;
     match Format::of(&source.head) {
         Some(Format::Grey) => Ok(Box::new(grey(source, options)?)),
+        Some(Format::Packets) => Ok(Box::new(pcap::frames(path, options)?)),
+        Some(Format::Ld06) => Ok(Box::new(ld06::scan(source.name(), &source.bytes(ld06::MAX_BYTES)?, options)?)),
         None => Err(ScanError::Unknown.into()),
     }
 }

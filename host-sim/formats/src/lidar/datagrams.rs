@@ -7,8 +7,8 @@ use pcap_parser::pcapng::Block;
 use pcap_parser::traits::PcapReaderIterator;
 use pcap_parser::{Linktype, PcapBlockOwned, PcapError, create_reader};
 
-use crate::lidar::error::LidarError;
 use crate::lidar::ip::{Fragments, Udp, udp};
+use crate::scan_error::ScanError;
 
 /// Room for one packet with all that a capture says of it. No capture program writes longer ones.
 const BUFFER_BYTES: usize = 1 << 19;
@@ -59,9 +59,9 @@ impl Datagrams {
     /// Reads the beginning of a capture.
     ///
     /// # Errors
-    /// [`LidarError::Capture`].
-    pub fn new(file: impl Read + Send + 'static) -> Result<Datagrams, LidarError> {
-        let reader = create_reader(BUFFER_BYTES, file).map_err(|e| LidarError::Capture(said(&e)))?;
+    /// [`ScanError::Damaged`].
+    pub fn new(file: impl Read + Send + 'static) -> Result<Datagrams, ScanError> {
+        let reader = create_reader(BUFFER_BYTES, file).map_err(|e| damaged(said(&e)))?;
         Ok(Datagrams { reader, links: vec![], fragments: Fragments::default(), payload: vec![] })
     }
 
@@ -69,8 +69,8 @@ impl Datagrams {
     /// before it.
     ///
     /// # Errors
-    /// [`LidarError::Capture`] where the file is damaged.
-    pub fn next_datagram(&mut self) -> Result<Option<Datagram<'_>>, LidarError> {
+    /// [`ScanError::Damaged`].
+    pub fn next_datagram(&mut self) -> Result<Option<Datagram<'_>>, ScanError> {
         loop {
             let (length, flow) = match self.reader.next() {
                 Ok((length, block)) => {
@@ -79,22 +79,27 @@ impl Datagrams {
                 Err(PcapError::Eof | PcapError::UnexpectedEof) => return Ok(None),
                 Err(PcapError::Incomplete(_)) => {
                     let (before, exhausted) = (self.reader.data().len(), self.reader.reader_exhausted());
-                    self.reader.refill().map_err(|e| LidarError::Capture(said(&e)))?;
+                    self.reader.refill().map_err(|e| damaged(said(&e)))?;
                     if self.reader.data().len() > before {
                         continue;
                     }
                     if exhausted || self.reader.reader_exhausted() {
                         return Ok(None);
                     }
-                    return Err(LidarError::Capture("a packet that is too long".into()));
+                    return Err(damaged("a packet that is too long"));
                 }
-                Err(e) => return Err(LidarError::Capture(said(&e))),
+                Err(e) => return Err(damaged(said(&e))),
             };
             self.reader.consume(length);
             if let Some(flow) = flow {
                 return Ok(Some(Datagram { flow, payload: &self.payload }));
             }
         }
+    }
+
+    /// Returns what the last datagram carries.
+    pub(crate) fn payload(&self) -> &[u8] {
+        &self.payload
     }
 }
 
@@ -153,13 +158,17 @@ fn network_layer(link: Linktype, frame: &[u8]) -> Option<&[u8]> {
     matches!(ether_type, 0x0800 | 0x86DD).then(|| frame.get(start..))?
 }
 
-fn said(e: &PcapError<&[u8]>) -> String {
+fn damaged(how: &str) -> ScanError {
+    ScanError::damaged("packet capture", how)
+}
+
+fn said(e: &PcapError<&[u8]>) -> &'static str {
     match e {
-        PcapError::HeaderNotRecognized => "neither pcap nor pcapng".into(),
-        PcapError::BufferTooSmall => "a packet that is too long".into(),
-        PcapError::ReadError => "it cannot be read".into(),
-        PcapError::Eof | PcapError::UnexpectedEof | PcapError::Incomplete(_) => "it ends in its header".into(),
-        PcapError::NomError(..) | PcapError::OwnedNomError(..) => "it is damaged".into(),
+        PcapError::HeaderNotRecognized => "neither pcap nor pcapng",
+        PcapError::BufferTooSmall => "a packet that is too long",
+        PcapError::ReadError => "it cannot be read",
+        PcapError::Eof | PcapError::UnexpectedEof | PcapError::Incomplete(_) => "it ends in its header",
+        PcapError::NomError(..) | PcapError::OwnedNomError(..) => "a packet or header makes no sense",
     }
 }
 
@@ -168,7 +177,7 @@ mod tests {
     use super::*;
     use crate::lidar::made_up::{ethernet, pcap, pcapng, udp_packet};
 
-    fn all(bytes: Vec<u8>) -> Result<Vec<(u16, Vec<u8>)>, LidarError> {
+    fn all(bytes: Vec<u8>) -> Result<Vec<(u16, Vec<u8>)>, ScanError> {
         let mut datagrams = Datagrams::new(std::io::Cursor::new(bytes))?;
         let mut found = vec![];
         while let Some(datagram) = datagrams.next_datagram()? {
@@ -200,12 +209,12 @@ mod tests {
     fn a_false_length_is_no_reason_to_take_memory_or_time() {
         let mut file = pcap(&[ethernet(&udp_packet(1, &[1]))]);
         file[24 + 8..24 + 12].copy_from_slice(&0x7FFF_FFFFu32.to_le_bytes());
-        assert!(matches!(all(file), Err(LidarError::Capture(_)) | Ok(_)));
+        assert!(matches!(all(file), Err(ScanError::Damaged { .. }) | Ok(_)));
         let mut file = pcapng(&[ethernet(&udp_packet(1, &[1]))]);
         let at = 28 + 20 + 4;
         file[at..at + 4].copy_from_slice(&0x7FFF_FFF0u32.to_le_bytes());
         file.resize(2 * BUFFER_BYTES, 0);
-        assert!(matches!(all(file), Err(LidarError::Capture(_)) | Ok(_)));
+        assert!(matches!(all(file), Err(ScanError::Damaged { .. }) | Ok(_)));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 
-use crate::lidar::error::LidarError;
+use crate::scan_error::ScanError;
 
 /// How an Ouster sends ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,8 @@ pub struct Metadata {
 
 /// The largest file of metadata that is read.
 pub const MAX_METADATA_BYTES: u64 = 1 << 20;
+
+const FORMAT: &str = "metadata of an Ouster";
 
 #[derive(Deserialize)]
 struct File {
@@ -92,10 +94,10 @@ impl Metadata {
     /// Reads a file of metadata.
     ///
     /// # Errors
-    /// [`LidarError::Metadata`] says what is missing or contradicts itself.
-    pub fn parse(json: &str) -> Result<Metadata, LidarError> {
-        let wrong = |what: &str| LidarError::Metadata(what.into());
-        let file: File = serde_json::from_str(json).map_err(|e| LidarError::Metadata(e.to_string()))?;
+    /// [`ScanError::Damaged`] says what is missing or contradicts itself.
+    pub fn parse(json: &str) -> Result<Metadata, ScanError> {
+        let wrong = |what: &str| ScanError::damaged(FORMAT, what);
+        let file: File = serde_json::from_str(json).map_err(|e| ScanError::damaged(FORMAT, e))?;
         let beams = file.beam_intrinsics.unwrap_or(file.beams);
         let (elevation_deg, azimuth_deg) = beams
             .beam_altitude_angles
@@ -130,7 +132,7 @@ impl Metadata {
         let profile = match format.udp_profile_lidar {
             None => Profile::Legacy,
             Some(name) => Profile::named(&name)
-                .ok_or_else(|| LidarError::Metadata(format!("the profile {name} of its packets is not known")))?,
+                .ok_or_else(|| wrong(&format!("the profile {name} of its packets is not known")))?,
         };
         let beam_origin_m = match (beams.beam_to_lidar_transform.as_deref(), beams.lidar_origin_to_beam_origin_mm) {
             (Some(transform), _) if transform.len() == 16 => [transform[3] / 1000.0, transform[11] / 1000.0],
@@ -245,7 +247,7 @@ mod tests {
     #[test]
     fn what_contradicts_itself_is_refused() {
         let of = |format: &str| metadata(&format!(r#"{{{BEAMS}, "data_format": {format}}}"#)).unwrap_err();
-        assert!(metadata("[]").unwrap_err().contains("not the metadata of an Ouster"));
+        assert!(metadata("[]").unwrap_err().contains("metadata of an Ouster"));
         assert!(metadata("{}").unwrap_err().contains("beam_altitude_angles"));
         assert!(metadata(&format!("{{{BEAMS}}}")).unwrap_err().contains("lidar_mode"));
         for (from, to, says) in [

@@ -109,6 +109,12 @@ impl Turn {
         (image, geometry)
     }
 
+    /// Returns what is to be said of it.
+    pub(crate) fn remarks(&self) -> Vec<String> {
+        let part = format!("a part of a turn: {} firings", self.firings.len());
+        if self.whole { vec![] } else { vec![part] }
+    }
+
     /// From firing to firing, degrees: the median.
     fn step_deg(&self) -> f64 {
         let mut steps: Vec<f64> = self.firings.iter().map(|firing| firing.step_deg).collect();

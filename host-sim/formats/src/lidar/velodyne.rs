@@ -2,7 +2,7 @@
 //!
 //! Axes: x forward, where the encoder is at 0; y left; z up. Velodyne's azimuths go to the right.
 
-use crate::lidar::error::LidarError;
+use crate::scan_error::ScanError;
 
 /// Bytes of a packet.
 pub const PACKET_BYTES: usize = 1206;
@@ -65,10 +65,9 @@ impl Model {
     /// Returns the sensor of a packet, by its last byte.
     ///
     /// # Errors
-    /// [`LidarError::NoLidar`] of a packet of another sensor, or of none.
-    pub fn of(packet: &[u8]) -> Result<Model, LidarError> {
-        let none =
-            || LidarError::NoLidar("no packet of a Velodyne: it does not have its 1206 bytes and its mark".into());
+    /// [`ScanError::Lacks`] of a packet of another sensor, or of none.
+    pub fn of(packet: &[u8]) -> Result<Model, ScanError> {
+        let none = || ScanError::lacks("a packet", "the length and the mark of a Velodyne's");
         if packet.len() != PACKET_BYTES || !packet.starts_with(&[0xFF, 0xEE]) {
             return Err(none());
         }
@@ -83,9 +82,10 @@ impl Model {
                     0xA1 => "VLS-128",
                     _ => "one that is not known",
                 };
-                let why =
-                    format!("a Velodyne of kind 0x{other:02X} ({name}); VLP-16, Puck Hi-Res and VLP-32C are read");
-                Err(LidarError::NoLidar(why))
+                let what = format!(
+                    "packets that are read (VLP-16, Puck Hi-Res, VLP-32C): these are of kind 0x{other:02X}, {name}"
+                );
+                Err(ScanError::lacks("a capture of a Velodyne", what))
             }
         }
     }
@@ -162,7 +162,7 @@ pub fn firings(model: Model, packet: &[u8]) -> impl Iterator<Item = Firing> + '_
     // of the two returns of a firing the first block has the last one
     let apart = if packet.get(PACKET_BYTES - 2) == Some(&DUAL) { 2 } else { 1 };
     let blocks: Vec<&[u8]> = body.chunks_exact(BLOCK_BYTES).step_by(apart).collect();
-    let azimuths: Vec<u16> = blocks.iter().map(|block| u16::from_le_bytes([block[2], block[3]])).collect();
+    let azimuths: Vec<u32> = blocks.iter().map(|block| u16::from_le_bytes([block[2], block[3]]).into()).collect();
     let good = |i: usize| blocks[i].starts_with(&[0xFF, 0xEE]) && azimuths[i] < 36000;
     let per_block = 32 / model.lasers();
     let mut made = Vec::with_capacity(2 * blocks.len());
