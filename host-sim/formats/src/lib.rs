@@ -1,8 +1,10 @@
 //! The files of scanseg: range images, their geometry, label images, captures of a scanner.
 
 mod beside;
+mod camera;
 pub mod capture;
 mod cloud;
+mod depth;
 pub mod file;
 pub mod geometry;
 mod geometry_error;
@@ -10,6 +12,7 @@ mod geometry_toml;
 pub mod grey_image;
 mod limits;
 mod noise;
+mod npy;
 pub mod range_image;
 pub mod scan;
 mod scan_error;
