@@ -1,8 +1,10 @@
 //! The files of scanseg: range images, their geometry, label images, captures of a scanner.
 
 mod beside;
+mod camera;
 pub mod capture;
 mod cloud;
+mod depth;
 pub mod file;
 pub mod geometry;
 mod geometry_error;
@@ -11,6 +13,7 @@ pub mod grey_image;
 pub mod lidar;
 mod limits;
 mod noise;
+mod npy;
 pub mod range_image;
 pub mod scan;
 mod scan_error;

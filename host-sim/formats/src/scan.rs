@@ -4,10 +4,14 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::cloud::e57::{self, E57File};
+use crate::cloud::{pcd, ply};
+use crate::depth;
 use crate::file::{Cause, FileError};
 use crate::geometry::Geometry;
-use crate::grey_image::GreyImage;
+use crate::grey_image::{GreyImage, MAX_PIXELS};
 use crate::lidar::{Datagrams, ld06, pcap};
+use crate::npy;
 use crate::range_image::RangeImage;
 use crate::scan_error::ScanError;
 
@@ -60,6 +64,14 @@ pub struct CameraOptions {
 pub enum Format {
     /// A grey image, PGM or PNG.
     Grey,
+    /// An array of NumPy.
+    Npy,
+    /// A cloud of the Point Cloud Library.
+    Pcd,
+    /// A polygon file.
+    Ply,
+    /// Scans of a terrestrial scanner.
+    E57,
     /// A packet capture of a lidar: pcap or pcapng.
     Packets,
     /// Bytes of an LD06.
@@ -73,13 +85,22 @@ impl Format {
         if netpbm || head.starts_with(b"\x89PNG\r\n\x1a\n") {
             return Some(Format::Grey);
         }
+        if head.starts_with(npy::SIGNATURE) {
+            return Some(Format::Npy);
+        }
+        if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") {
+            return Some(Format::Ply);
+        }
+        if head.starts_with(e57::SIGNATURE) {
+            return Some(Format::E57);
+        }
         if Datagrams::is_capture(head) {
             return Some(Format::Packets);
         }
         if ld06::is_ld06(head) {
             return Some(Format::Ld06);
         }
-        None
+        pcd::is_pcd(head).then_some(Format::Pcd)
     }
 }
 
@@ -169,25 +190,20 @@ impl<'a> Source<'a> {
     }
 }
 
+/// No cloud is read whose file is longer: 64 bytes for each of the most pixels.
+const MAX_CLOUD_BYTES: u64 = 64 * MAX_PIXELS as u64;
+
 fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Cause> {
     let source = Source::open(path)?;
-    match Format::of(&source.head) {
-        Some(Format::Grey) => Ok(Box::new(grey(source, options)?)),
-        Some(Format::Packets) => Ok(Box::new(pcap::frames(path, options)?)),
-        Some(Format::Ld06) => Ok(Box::new(ld06::scan(source.name(), &source.bytes(ld06::MAX_BYTES)?, options)?)),
-        None => Err(ScanError::Unknown.into()),
-    }
-}
-
-/// Reads a range image or a depth image.
-fn grey(source: Source<'_>, options: &ReadOptions) -> Result<Scan, Cause> {
     let name = source.name();
-    let counts = GreyImage::read_from(source.read())?;
-    let path = options.geometry.as_ref().ok_or(ScanError::NoGeometry)?;
-    let geometry = Geometry::read(path)?;
-    let image = RangeImage::from_grey(&counts, &geometry)
-        .map_err(|e| ScanError::Misfit { geometry: path.clone(), message: e.to_string() })?;
-    let is_distance = |count: &&u16| **count != 0 && !geometry.no_return.contains(*count);
-    let measured = counts.values.iter().filter(is_distance).count();
-    Ok(Scan { name, image, geometry, measured, remarks: vec![] })
+    let format = Format::of(&source.head).ok_or(ScanError::Unknown)?;
+    Ok(match format {
+        Format::Grey => Box::new(depth::grey(name, &GreyImage::read_from(source.read())?, options)?),
+        Format::Npy => Box::new(depth::npy(name, &source.bytes(MAX_CLOUD_BYTES)?, options)?),
+        Format::Pcd => Box::new(pcd::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
+        Format::Ply => Box::new(ply::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
+        Format::Packets => Box::new(pcap::frames(path, options)?),
+        Format::Ld06 => Box::new(ld06::scan(name, &source.bytes(ld06::MAX_BYTES)?, options)?),
+        Format::E57 => Box::new(E57File::open(name, source.bytes(MAX_CLOUD_BYTES)?, options)?),
+    })
 }

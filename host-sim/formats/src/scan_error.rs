@@ -89,7 +89,7 @@ fn one_line(text: &str) -> String {
 impl fmt::Display for ScanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ScanError::Unknown => write!(f, "neither a PGM (P5) nor a PNG file"),
+            ScanError::Unknown => write!(f, "none of the formats that are read: PGM (P5), PNG, npy, PCD, PLY, E57"),
             ScanError::NoGeometry => {
                 write!(
                     f,

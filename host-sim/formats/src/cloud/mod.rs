@@ -1,5 +1,11 @@
 //! Organised point clouds: beams taken from the points.
 
+pub(crate) mod e57;
+mod lzf;
+pub(crate) mod number;
+pub(crate) mod pcd;
+pub(crate) mod ply;
+
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
 use crate::range_image::RangeImage;
