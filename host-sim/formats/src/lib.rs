@@ -15,6 +15,7 @@ mod limits;
 mod noise;
 mod npy;
 pub mod range_image;
+mod ros;
 pub mod scan;
 mod scan_error;
 mod sensors;

@@ -13,6 +13,7 @@ use crate::grey_image::{GreyImage, MAX_PIXELS};
 use crate::lidar::{Datagrams, ld06, pcap};
 use crate::npy;
 use crate::range_image::RangeImage;
+use crate::ros;
 use crate::scan_error::ScanError;
 
 /// A scan: ranges with the geometry of their beams.
@@ -76,6 +77,10 @@ pub enum Format {
     Packets,
     /// Bytes of an LD06.
     Ld06,
+    /// A recording of ROS 2 as MCAP.
+    Mcap,
+    /// A recording of ROS 2 as SQLite.
+    Db3,
 }
 
 impl Format {
@@ -96,6 +101,12 @@ impl Format {
         }
         if Datagrams::is_capture(head) {
             return Some(Format::Packets);
+        }
+        if head.starts_with(b"\x89MCAP") {
+            return Some(Format::Mcap);
+        }
+        if head.starts_with(b"SQLite format 3\0") {
+            return Some(Format::Db3);
         }
         if ld06::is_ld06(head) {
             return Some(Format::Ld06);
@@ -194,6 +205,11 @@ impl<'a> Source<'a> {
 const MAX_CLOUD_BYTES: u64 = 64 * MAX_PIXELS as u64;
 
 fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Cause> {
+    if path.is_dir()
+        && let Some(recording) = ros::is_folder_of_one(path)?
+    {
+        return frames_of(&recording, options);
+    }
     let source = Source::open(path)?;
     let name = source.name();
     let format = Format::of(&source.head).ok_or(ScanError::Unknown)?;
@@ -203,6 +219,8 @@ fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Caus
         Format::Pcd => Box::new(pcd::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
         Format::Ply => Box::new(ply::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
         Format::Packets => Box::new(pcap::frames(path, options)?),
+        Format::Mcap => Box::new(ros::frames_of_mcap(path, options)?),
+        Format::Db3 => Box::new(ros::frames_of_db3(path, options)?),
         Format::Ld06 => Box::new(ld06::scan(name, &source.bytes(ld06::MAX_BYTES)?, options)?),
         Format::E57 => Box::new(E57File::open(name, source.bytes(MAX_CLOUD_BYTES)?, options)?),
     })
