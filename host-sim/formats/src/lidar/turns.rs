@@ -13,6 +13,10 @@ use crate::sensors::Sensor;
 
 /// The most firings of a turn: at 300 turns a minute there are 3617.
 const MAX_FIRINGS: usize = 8192;
+/// A sensor that turns so far without firing has been told to look elsewhere only, degrees.
+const BLIND_DEG: f64 = 45.0;
+/// Fewer firings are no scan.
+const LEAST_FIRINGS: usize = 32;
 
 /// One turn of a Velodyne.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,11 +46,12 @@ impl Turns {
     pub fn push(&mut self, packet: &[u8]) -> Option<Turn> {
         let mut done = None;
         for firing in firings(self.model, packet) {
-            if let Some(last) = self.firings.last() {
-                self.turned_deg += (firing.azimuth_deg - last.azimuth_deg).rem_euclid(360.0);
-            }
-            if self.turned_deg >= 360.0 || self.firings.len() == MAX_FIRINGS {
-                done = self.take(true);
+            let last_deg = self.firings.last().map_or(firing.azimuth_deg, |last| last.azimuth_deg);
+            let moved_deg = (firing.azimuth_deg - last_deg).rem_euclid(360.0);
+            self.turned_deg += moved_deg;
+            let whole = self.turned_deg >= 360.0 && moved_deg <= BLIND_DEG;
+            if whole || moved_deg > BLIND_DEG || self.firings.len() == MAX_FIRINGS {
+                done = done.or(self.take(whole));
                 self.turned_deg = 0.0;
             }
             self.firings.push(firing);
@@ -54,14 +59,17 @@ impl Turns {
         done
     }
 
-    /// Returns the last turn, if anything of it came.
+    /// Returns the last turn, if it is one.
     pub fn finish(&mut self) -> Option<Turn> {
+        let step_deg = self.firings.last().map_or(0.0, |last| last.step_deg);
+        let whole = self.turned_deg + 1.5 * step_deg >= 360.0;
         self.turned_deg = 0.0;
-        if self.firings.is_empty() { None } else { self.take(false) }
+        self.take(whole)
     }
 
     fn take(&mut self, whole: bool) -> Option<Turn> {
-        Some(Turn { model: self.model, firings: std::mem::take(&mut self.firings), whole })
+        let firings = std::mem::take(&mut self.firings);
+        (firings.len() >= LEAST_FIRINGS).then_some(Turn { model: self.model, firings, whole })
     }
 }
 
@@ -170,6 +178,22 @@ mod tests {
             let Some(Angles::Listed(offsets)) = geometry.beside.row_offset_deg else { panic!() };
             assert!(offsets.iter().all(|deg| deg.abs() <= step_deg / 2.0 + 1e-9), "{offsets:?}");
         }
+    }
+
+    #[test]
+    fn a_sensor_that_looks_at_a_part_of_its_turn() {
+        let mut turns = Turns::new(Model::Vlp32c);
+        let mut done = vec![];
+        // 20 packets of 6 degrees each, then nothing until it comes round
+        for i in 0..60 {
+            let azimuth = 30000 + 600 * (i % 20);
+            done.extend(turns.push(&packet(Model::Vlp32c, (azimuth % 36000) as u16, 50, false)));
+        }
+        let counts: Vec<_> = done.iter().map(|turn| (turn.firings.len(), turn.whole)).collect();
+        assert_eq!(counts, [(240, false), (240, false)]);
+        let (image, geometry) = done[1].image();
+        assert_eq!((image.rows, image.columns), (32, 240));
+        assert!(matches!(geometry.kind, Kind::Spinning { wraps: false, .. }));
     }
 
     #[test]

@@ -173,11 +173,12 @@ mod tests {
         let model = Model::Vlp32c;
         let mut found = Found::new();
         for packet in packets(&recording) {
-            let other = with_the_other_return(&packet);
-            for firing in firings(model, &packet).chain(firings(model, &other)) {
+            // The other program takes the lasers as fired one after the other, which are fired in pairs,
+            // and does not interpolate within the last firing of a packet.
+            for (i, firing) in firings(model, &packet).enumerate() {
                 for laser in 0..32 {
-                    // the other program takes all lasers as fired at once
-                    let azimuth_deg = firing.azimuth_deg + model.right_deg(laser, 0.0);
+                    let fired_deg = if i == 11 { 0.0 } else { firing.step_deg * laser as f64 * 2.304 / 55.296 };
+                    let azimuth_deg = firing.azimuth_deg + model.right_deg(laser, 0.0) + fired_deg;
                     found.entry((laser, firing.counts[laser])).or_default().push(azimuth_deg);
                 }
             }
@@ -194,31 +195,31 @@ mod tests {
             let count = (distance_m / model.unit_m()).round() as u16;
             let azimuth_deg = (-y).atan2(x).to_degrees();
             let off_deg = nearest_deg(&found, laser, count, azimuth_deg);
-            assert!(off_deg < 0.002, "laser {laser}, count {count}, azimuth {azimuth_deg}: {off_deg}");
+            // they round to hundredths
+            assert!(off_deg < 0.0052, "laser {laser}, count {count}, azimuth {azimuth_deg}: {off_deg}");
         }
     }
 
     #[test]
     fn recorded_turns_are_scans() {
-        for (name, scans, rows, columns) in [
-            ("vlp16_1673400471837873222_0.db3", 4, 16, 1790..1820),
-            ("vlp32_1713492677464078412_0.db3", 5, 32, 895..925),
+        // the VLP-32C is set to send the half of a turn that lies before it
+        for (name, rows, columns, wraps) in [
+            ("vlp16_1673400471837873222_0.db3", 16, 1790..1820, true),
+            ("vlp32_1713492677464078412_0.db3", 32, 895..925, false),
         ] {
             let Some(path) = recorded(name) else { return };
             let mut file = ScanFile::open(&path, &ReadOptions::default()).unwrap();
-            assert_eq!(file.frames(), scans);
-            for n in 0..scans {
+            let mut as_expected = 0;
+            for n in 0..file.frames() {
                 let scan = file.frame(n).unwrap();
                 scan.geometry.check().unwrap();
                 scan.geometry.fits(scan.image.rows, scan.image.columns).unwrap();
+                println!("{name} {n}: {} columns, {:?}", scan.image.columns, scan.remarks);
                 let whole = scan.remarks.is_empty();
-                assert!(whole || n == scans - 1, "{:?}", scan.remarks);
-                assert!(
-                    !whole || scan.image.rows == rows && columns.contains(&scan.image.columns),
-                    "{name} {n}: {}",
-                    scan.image.columns
-                );
+                as_expected += usize::from(columns.contains(&scan.image.columns) && whole == wraps);
+                assert_eq!(scan.image.rows, rows);
             }
+            assert!(as_expected >= 3 && file.frames() <= as_expected + 2, "{as_expected} of {}", file.frames());
         }
     }
 }
