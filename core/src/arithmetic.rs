@@ -33,6 +33,24 @@ pub(crate) fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// a - b.
+#[inline(always)]
+pub(crate) fn less(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// a + k b.
+#[inline(always)]
+pub(crate) fn plus(a: [f32; 3], k: f32, b: [f32; 3]) -> [f32; 3] {
+    [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
+}
+
+/// a x b.
+#[inline(always)]
+pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// 1 / sqrt(x) to 2e-7 relative for normal x, finite (not infinite) for 0. Without a branch or a
 /// call, so that loops over columns vectorise, and no slower than a division on a Cortex-M4F.
 #[inline(always)]

@@ -579,7 +579,7 @@ typedef struct scanseg_plane {
 #define SCANSEG_ERROR_ROW_LENGTH -10
 
 /**
- * The angle of the row is NaN, infinite or beyond 1000 turns. The row was not taken.
+ * The angle of the row is NaN, infinite or beyond 6300 rad. The row was not taken.
  */
 #define SCANSEG_ERROR_TURN_ANGLE -11
 

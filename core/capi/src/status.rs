@@ -37,7 +37,7 @@ pub const SCANSEG_ERROR_BUSY: Status = -8;
 pub const SCANSEG_ERROR_SCAN_OVER: Status = -9;
 /// The row does not have one range per column. The row was not taken.
 pub const SCANSEG_ERROR_ROW_LENGTH: Status = -10;
-/// The angle of the row is NaN, infinite or beyond 1000 turns. The row was not taken.
+/// The angle of the row is NaN, infinite or beyond 6300 rad. The row was not taken.
 pub const SCANSEG_ERROR_TURN_ANGLE: Status = -11;
 /// The scan already has 65535 rows. The row was not taken.
 pub const SCANSEG_ERROR_TOO_MANY_ROWS: Status = -12;
