@@ -104,6 +104,18 @@
 #define SCANSEG_MAX_TRACES 8
 
 /**
+ * `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
+ */
+#define SCANSEG_JOIN 1
+
+/**
+ * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
+ * with another one that turns out to be a part of the same surface; then it is given again when
+ * that is complete, and the later one counts.
+ */
+#define SCANSEG_SEGMENT 2
+
+/**
  * A pixel: nothing was measured.
  */
 #define SCANSEG_NO_RETURN 0
@@ -117,18 +129,6 @@
  * A pixel: part of an area that got no label, because the table of live labels was full.
  */
 #define SCANSEG_UNLABELLED 4294967294
-
-/**
- * `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
- */
-#define SCANSEG_JOIN 1
-
-/**
- * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
- * with another one that turns out to be a part of the same surface; then it is given again when
- * that is complete, and the later one counts.
- */
-#define SCANSEG_SEGMENT 2
 
 /**
  * Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the

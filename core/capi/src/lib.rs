@@ -21,6 +21,7 @@ compile_error!("without the feature `std` panics must abort: build with the prof
 mod check;
 mod checked;
 mod config;
+mod event;
 mod image;
 mod output;
 #[cfg(all(not(feature = "std"), not(test)))]
@@ -30,6 +31,7 @@ mod status;
 
 pub use check::SCANSEG_ABI_VERSION;
 pub use config::*;
+pub use event::*;
 pub use output::*;
 pub use state::*;
 pub use status::*;
@@ -329,7 +331,7 @@ pub unsafe extern "C" fn scanseg_fit_plane(segment: *const Event, plane: *mut Pl
         return error;
     }
     // SAFETY: both not NULL and aligned; numbers may have any value.
-    match unsafe { output::fit_plane(&*segment) } {
+    match unsafe { event::fit_plane(&*segment) } {
         Ok(fit) => {
             // SAFETY: as above.
             unsafe { plane.write(fit) };
