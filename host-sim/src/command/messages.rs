@@ -24,6 +24,8 @@ pub struct LinkOptions {
 pub struct Host {
     pub lines: Vec<String>,
     pub bytes: Vec<u8>,
+    /// Pixels without a label, of all scans.
+    pub unlabelled: u32,
     /// For each scan that is over, the count of lines at its end.
     pub scan_ends: Vec<usize>,
 }
@@ -31,7 +33,8 @@ pub struct Host {
 impl Host {
     fn take(&mut self, received: &Received) {
         self.lines.extend(line(received));
-        if let Received::Message { message: Message::ScanFinished(_), .. } = received {
+        if let Received::Message { message: Message::ScanFinished(scan), .. } = received {
+            self.unlabelled = self.unlabelled.saturating_add(scan.unlabelled);
             self.scan_ends.push(self.lines.len());
         }
     }
@@ -63,7 +66,12 @@ pub fn line(received: &Received) -> Option<String> {
         Message::Segment(segment) => Some(segment_line(segment)),
         Message::ScanFinished(scan) => {
             let end = format!("{:?}", scan.end).to_lowercase();
-            Some(format!("scan {} over ({end}): {} rows\n{}", scan.number, scan.rows, counters_line(&scan.counters)))
+            let unlabelled = match scan.unlabelled {
+                0 => String::new(),
+                pixels => format!(", {pixels} pixels without a label: the table of live labels was full"),
+            };
+            let counters = counters_line(&scan.counters);
+            Some(format!("scan {} over ({end}): {} rows{unlabelled}\n{counters}", scan.number, scan.rows))
         }
         Message::Status(counters) => Some(counters_line(counters)),
         Message::Trouble(trouble) => Some(format!("trouble: {trouble}")),

@@ -12,6 +12,7 @@ mod noise;
 mod office;
 mod options;
 mod output;
+mod planes;
 mod replay;
 mod rig;
 mod say;
@@ -19,6 +20,7 @@ mod scene_set;
 mod segment;
 #[cfg(unix)]
 mod signals;
+mod warnings;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

@@ -10,11 +10,12 @@ use scanseg_formats::{Angles, FileError, Geometry, Kind, read_at_most, write_ato
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 
 use crate::command::messages::LinkOptions;
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
+use crate::command::warnings;
 
 /// Replay what was recorded of a scanner: telegrams to segments, as on a board
 ///
@@ -57,6 +58,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig =
         Rig::new(capture.settings, capture.limits, segmenter, &mut rows_m).map_err(|e| format!("{name}: {e}"))?;
+    if arguments.geometry.is_some() {
+        // of even turn angles as many as telegrams, and one before the first
+        let tilts = capture.events.iter().filter(|event| matches!(event, CaptureEvent::Tilt(_))).count();
+        let rows = if rows > 1 { rows } else { tilts.saturating_sub(1) };
+        warnings::of_geometry(&name, &geometry, rows, columns).iter().for_each(|warning| warn(warning));
+    }
+    let stated = arguments.options.states_noise(&geometry);
+    warnings::no_noise(&name, &config, stated).iter().for_each(|warning| warn(warning));
 
     let host = Rc::default();
     let mut reporter = arguments.link.reporter(&host);
@@ -65,6 +74,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reporter.send(&Message::Status(rig.counters()));
     }
     let host = host.borrow();
+    let (enough, max_labels) = (enough_labels(config.approach(), columns), arguments.options.max_labels());
+    warnings::unlabelled_pixels(&name, host.unlabelled, enough, max_labels).iter().for_each(|warning| warn(warning));
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.bytes)?;
     }

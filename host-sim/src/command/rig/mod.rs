@@ -18,16 +18,17 @@ use scanseg_formats::{Geometry, Kind, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Phase, Settings, Unit, Variant};
 use scanseg_hal::rig::{Rig, RigSink, TiltLimits};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 use scanseg_virtual_rig::{Arrival, Chain, Motion, scanner_on_tilt};
 
 use crate::command::input::Input;
 use crate::command::messages::{Host, LinkOptions, counters_line};
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
 use crate::command::rig::faults::{Fault, Faults, parse_fault};
 use crate::command::rig::live::Live;
 use crate::command::rig::surroundings::{Ranges, office, recorded};
+use crate::command::warnings;
 
 /// Run a virtual scanner on a virtual tilt, its wires, drivers, segmenter and link
 ///
@@ -92,6 +93,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         AnySegmenter::new(config, beams.beams(), COLUMNS, memory.memory()).map_err(|e| refused(e.into()))?;
     let mut rows_m = [0.0; 2 * COLUMNS];
     let rig = Rig::new(SETTINGS, LIMITS, segmenter, &mut rows_m)?;
+    let stated = arguments.options.states_noise(&geometry);
+    warnings::no_noise("rig", &config, stated).iter().for_each(|warning| warn(warning));
     let faults = Faults::new(&arguments.faults);
     let motion: Motion = Rc::new(nod);
     let mut lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(SETTINGS.baud, SETTINGS.variant);
@@ -112,6 +115,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         Ok(())
     });
+    let (enough, unlabelled) = (enough_labels(config.approach(), COLUMNS), host.borrow().unlabelled);
+    let full = warnings::unlabelled_pixels("rig", unlabelled, enough, arguments.options.max_labels());
+    full.iter().for_each(|warning| warn(warning));
     // what has come until a reader went is kept
     if let Some(path) = &arguments.save {
         write_atomic(path, saved.to_text().as_bytes())?;
