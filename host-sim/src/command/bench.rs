@@ -16,7 +16,7 @@ use crate::command::warnings;
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Rounds that are timed, after one that is not

@@ -33,6 +33,7 @@ use crate::command::output::Failure;
 /// 2006).
 #[derive(Parser)]
 #[command(name = "scanseg", version, arg_required_else_help = true)]
+#[command(after_help = "Range images and their geometry files, with examples to copy: docs/scan-format.md")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

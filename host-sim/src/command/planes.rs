@@ -13,14 +13,14 @@ pub fn weak(segments: &[Segment]) -> Option<String> {
     let none = segments.len() - planes.len();
     let of_one_row = planes.iter().filter(|(segment, _)| is_one_row(segment)).count();
     let uncertain = planes.iter().filter(|(segment, plane)| !is_one_row(segment) && is_uncertain(plane)).count();
-    (none + of_one_row + uncertain > 0).then(|| {
-        format!(
-            "planes: of {} segments {none} have none, and those of {} are not to be relied on ({of_one_row} in one row, \
-             {uncertain} uncertain by {UNCERTAIN_DEG} deg or more)\n",
-            segments.len(),
-            of_one_row + uncertain
-        )
-    })
+    let parts = [
+        (none, "have none".to_string()),
+        (of_one_row, "lie in one row".to_string()),
+        (uncertain, format!("are uncertain by {UNCERTAIN_DEG} deg or more")),
+    ];
+    let parts: Vec<_> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
+    (!parts.is_empty()).then(|| format!("planes of {} segments: {}\n", segments.len(), parts.join(", ")))
 }
 
 fn is_one_row(segment: &Segment) -> bool {

@@ -5,13 +5,14 @@ use std::rc::Rc;
 
 use clap::Args;
 use scanseg_core::{AnySegmenter, Segmenter};
-use scanseg_formats::capture::{Capture, CaptureEvent, MAGIC, geometry_on_tilt};
+use scanseg_formats::capture::{Capture, CaptureError, CaptureEvent, MAGIC, geometry_on_tilt};
 use scanseg_formats::{Angles, FileError, Geometry, Kind, read_at_most, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
 use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 
+use crate::command::input::{read_geometry, with_page};
 use crate::command::messages::LinkOptions;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::{Failure, print, warn};
@@ -25,7 +26,8 @@ use crate::command::warnings;
 pub struct Arguments {
     /// Capture, or raw bytes of the scanner
     capture: PathBuf,
-    /// Raw bytes: geometry file (TOML) of a nodding scanner; telegram n is its row n
+    /// Raw bytes: geometry file of a nodding scanner, see docs/scan-format.md; telegram n is its
+    /// row n
     #[arg(long, value_name = "FILE", requires = "range_bits")]
     geometry: Option<PathBuf>,
     /// Raw bytes: how many bits of a value are the range, 13 to 16; the scanner's measuring mode
@@ -96,8 +98,11 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         }
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
-            let geometry = Geometry::read(path)?;
-            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| file_error(e.into()))?;
+            let geometry = read_geometry(path)?;
+            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
+                CaptureError::Geometry { .. } => with_page(&format!("{}: does not fit {name}: {e}", path.display())),
+                e => file_error(e.into()).into(),
+            })?;
             Ok((capture, geometry))
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),

@@ -24,7 +24,7 @@ const LONG_SCAN: usize = 1_000_000;
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Folder for the results; made if it is not there

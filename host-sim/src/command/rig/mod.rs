@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Instead of an office, a range image of a nodding scanner
     #[arg(long, value_name = "FILE", requires = "geometry")]
     scan: Option<PathBuf>,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE", requires = "scan")]
     geometry: Option<PathBuf>,
     /// Stop after so many scans; the first begins anywhere in the sweep
