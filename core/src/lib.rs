@@ -14,6 +14,12 @@
 //! [`AnySegmenter`] is any of them, chosen at run time. All work in a [`Memory`] that the user
 //! places, made by [`buffers!`]. A [`Sink`] takes the results.
 //!
+//! # Example
+//! ```
+#![doc = include_str!("../examples/wall.rs")]
+//! ```
+//!
+//! # Stages
 //! ```text
 //! a row of ranges and its turn angle
 //!

@@ -135,19 +135,10 @@ pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scanseg_formats::{Angles, Depth, Noise};
+    use scanseg_formats::{Angles, Depth};
 
     fn view(kind: Kind) -> (bool, bool, bool) {
-        let none = None;
-        let geometry = Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: none,
-            max_range_m: none,
-            range_noise_m: none,
-            noise: Noise::NONE,
-            kind,
-        };
+        let geometry = Geometry::of(kind);
         let View { transpose, flip, mirror } = View::of(&geometry, 20, 30);
         (transpose, flip, mirror)
     }

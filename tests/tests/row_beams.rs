@@ -4,8 +4,9 @@
 
 use core::ops::ControlFlow;
 use scanseg_core::{
-    AnyConfig, AnySegmenter, Approach, Beams, ColumnTurns, Columns, EdgeConfig, Join, LabelRow, Memory, Pixel, PlaneConfig,
-    PushError, Ranging, RegionConfig, Row, RowBeams, Segment, Segmenter, Sink, Trace, TurnAxis, bearing_row,
+    AnyConfig, AnySegmenter, Approach, Beams, ColumnTurns, Columns, EdgeConfig, Join, LabelRow, Memory, Pixel,
+    PlaneConfig, PlaneSegmenter, PushError, Ranging, RegionConfig, Row, RowBeams, Segment, Segmenter, Sink, Trace,
+    TurnAxis, bearing_row,
 };
 use scanseg_tests::scenes::uniform;
 use std::collections::BTreeMap;
@@ -260,6 +261,40 @@ fn firings() {
     let (least, farthest) = scanner.least(default(), NOISE_M.into());
     assert!(least > 0.97 && farthest < 0.002, "{least} {farthest}");
 }
+
+/// Turn after turn of a lidar that begins in the middle of a wall: the wall is one segment, and each
+/// turn is as the first.
+#[test]
+fn full_turns() {
+    let angles_rad: Vec<f32> = (0..64).map(|i| (20.0 - 0.6 * i as f32).to_radians()).collect();
+    let azimuth_rad = |row: usize| core::f32::consts::TAU / 1024.0 * row as f32;
+    let ray = |row: usize, column: usize| {
+        [nodding(angles_rad[column].into(), azimuth_rad(row).into(), TurnAxis::Z), [0.0; 3]]
+    };
+    let beams = Beams::Nodding { columns: Columns::Listed(&angles_rad), axis: TurnAxis::Z };
+    let rows = (0..1024).map(|row| RowBeams::from(azimuth_rad(row))).collect();
+    let scanner = Scanner { beams, rows, columns: 64, ray: &ray };
+    let config = PlaneConfig::new(Ranging::new(NOISE_M));
+    let (least, farthest) = scanner.least(config.with_full_turns().into(), NOISE_M.into());
+    assert!(least > 0.97 && farthest < 0.001, "{least} {farthest}");
+    let (cut, _) = scanner.least(config.into(), NOISE_M.into());
+    assert!(cut < 0.8, "{cut}");
+
+    let (_, range_m) = scanner.scan(NOISE_M.into());
+    let mut buffers = <scanseg_core::buffers!(64, TURNS)>::EMPTY;
+    let mut segmenter = PlaneSegmenter::new(TURNS, beams, 64, buffers.memory()).unwrap();
+    let turns = [(); 3].map(|()| {
+        let mut found = Found::default();
+        for (row, ranges_m) in scanner.rows.iter().zip(range_m.chunks(64)) {
+            segmenter.push_row(ranges_m, *row, &mut found).unwrap();
+        }
+        segmenter.finish(&mut found);
+        (found.labels, found.segments)
+    });
+    assert!(turns[0].1.len() > 5 && turns[1] == turns[0] && turns[2] == turns[0]);
+}
+
+const TURNS: PlaneConfig = PlaneConfig::new(Ranging::new(NOISE_M)).with_full_turns();
 
 /// The directions of all pixels, given one by one, are as good as what made them.
 #[test]

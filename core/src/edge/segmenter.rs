@@ -33,34 +33,21 @@ use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 
 /// Segments a scan while it comes in, row by row, by the edges in its bearing-angle images.
 ///
-/// ```
-/// use core::ops::ControlFlow;
-/// use scanseg_core::{
-///     Beams, Columns, EdgeConfig, EdgeSegmenter, LabelRow, Segment, Segmenter, Sink, TurnAxis,
-///     buffers,
-/// };
+/// The [crate's front page](crate) has a whole program; with this configuration it is the same:
 ///
-/// struct Print;
-/// impl Sink for Print {
-///     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
-///         ControlFlow::Continue(())
-///     }
-///     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-///         println!("{}: {} pixels, {:?}", segment.label, segment.pixels(), segment.plane());
-///         ControlFlow::Continue(())
-///     }
-/// }
+/// ```
+/// use scanseg_core::{Beams, Columns, ConfigError, EdgeConfig, EdgeSegmenter, TurnAxis, buffers};
 ///
 /// const CONFIG: EdgeConfig = EdgeConfig::paper();
-/// let columns = Columns::Even { start_rad: -0.5, step_rad: 0.01 };
-/// let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-/// let mut buffers = <buffers!(101, CONFIG)>::EMPTY;
-/// let mut segmenter = EdgeSegmenter::new(CONFIG, beams, 101, buffers.memory())?;
-/// for row in 0..50 {
-///     segmenter.push_row(&[2.0; 101], 0.01 * row as f32, &mut Print)?;
+///
+/// fn main() -> Result<(), ConfigError> {
+///     let columns = Columns::Even { start_rad: -0.9, step_rad: 0.01 };
+///     let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
+///     let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
+///     let segmenter = EdgeSegmenter::new(CONFIG, beams, 181, buffers.memory())?;
+///     println!("{segmenter:?}");
+///     Ok(())
 /// }
-/// segmenter.finish(&mut Print);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct EdgeSegmenter<'a> {
     config: EdgeConfig<'a>,

@@ -27,7 +27,6 @@ use scanseg_hal::pairing::BeamAges;
 use scanseg_hal::rig::TiltLimits;
 
 use crate::geometry::{Angles, Geometry, Kind, TurnAxis};
-use crate::noise::Noise;
 
 /// First line of a capture.
 pub const HEAD: &str = "scanseg capture 1";
@@ -230,15 +229,7 @@ pub fn geometry_on_tilt(variant: Variant) -> Geometry {
         step_deg: f64::from(variant.step_cdeg()) / 100.0,
     };
     let turn_deg = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
-    Geometry {
-        unit_m: 0.001,
-        no_return: vec![],
-        min_range_m: None,
-        max_range_m: None,
-        range_noise_m: None,
-        noise: Noise::NONE,
-        kind: Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y },
-    }
+    Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y })
 }
 
 /// The scans of a raw stream.

@@ -5,8 +5,11 @@
 
 pub use scanseg_core::TurnAxis;
 
+use crate::beside::Beside;
 use crate::geometry_error::GeometryError;
-use crate::limits::{ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M};
+use crate::limits::{
+    ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, LEVER_ARM_M, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M,
+};
 use crate::noise::{LIMITS, Noise};
 
 /// Angles of the rows or of the columns of a range image, in degrees.
@@ -92,6 +95,15 @@ pub enum Kind {
         /// What the pixel values measure.
         depth: Depth,
     },
+    /// Any beams, as an organised point cloud has them. A geometry file has no such kind.
+    Free {
+        /// A unit vector for each pixel; anything where nothing was measured.
+        directions: Vec<[f32; 3]>,
+        /// Pixels of a row.
+        columns: usize,
+        /// Whether the last column neighbours the first.
+        wraps: bool,
+    },
 }
 
 /// The geometry file of a range image, version 1.
@@ -111,9 +123,26 @@ pub struct Geometry {
     pub noise: Noise,
     /// Where the beams point.
     pub kind: Kind,
+    /// Rows, columns and an origin beside the others.
+    pub beside: Beside,
 }
 
 impl Geometry {
+    /// A geometry that says nothing but where the beams point: counts of a millimetre.
+    pub fn of(kind: Kind) -> Geometry {
+        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
+        Geometry {
+            unit_m: 0.001,
+            no_return: vec![],
+            min_range_m,
+            max_range_m,
+            range_noise_m,
+            noise: Noise::NONE,
+            kind,
+            beside: Beside::NONE,
+        }
+    }
+
     /// Checks that an image of `rows` x `columns` pixels can have this geometry: listed angles have
     /// one entry per row or column, and the beams of the corners have directions (numbers too large
     /// for `f64` leave them without).
@@ -122,14 +151,9 @@ impl Geometry {
     /// [`GeometryError::Entries`] or [`GeometryError::NoDirection`]; several in one.
     pub fn fits(&self, rows: usize, columns: usize) -> Result<(), GeometryError> {
         let mut errors = vec![];
-        for ((key, angles), axis, needed) in self
-            .angles()
-            .into_iter()
-            .flatten()
-            .zip(["rows", "columns"])
-            .zip([rows, columns])
-            .map(|((a, b), c)| (a, b, c))
-        {
+        for (key, angles) in self.angles().into_iter().flatten().chain(self.offsets()) {
+            let of_rows = ["turn_deg", "elevation_deg", "row_offset_deg"].contains(&key);
+            let (axis, needed) = if of_rows { ("rows", rows) } else { ("columns", columns) };
             match angles {
                 Angles::Listed(list) if list.len() != needed => {
                     errors.push(GeometryError::Entries { key, listed: list.len(), axis, needed });
@@ -138,6 +162,11 @@ impl Geometry {
             }
         }
         GeometryError::all(errors)?;
+        if let Kind::Free { directions, columns: of_row, .. } = &self.kind {
+            let (key, listed, needed) = ("directions", directions.len(), rows * columns);
+            let fits = listed == needed && *of_row == columns;
+            return if fits { Ok(()) } else { Err(GeometryError::Entries { key, listed, axis: "pixels", needed }) };
+        }
         if rows == 0 || columns == 0 {
             return Ok(());
         }
@@ -160,8 +189,26 @@ impl Geometry {
             Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
                 Some([("elevation_deg", elevation_deg), ("azimuth_deg", azimuth_deg)])
             }
-            Kind::Pinhole { .. } => None,
+            Kind::Pinhole { .. } | Kind::Free { .. } => None,
         }
+    }
+
+    /// Returns the angles that are added to those, with their keys.
+    fn offsets(&self) -> impl Iterator<Item = (&'static str, &Angles)> {
+        let Beside { row_offset_deg, column_offset_deg, .. } = &self.beside;
+        let offsets = [("row_offset_deg", row_offset_deg), ("column_offset_deg", column_offset_deg)];
+        offsets.into_iter().filter_map(|(key, angles)| Some((key, angles.as_ref()?)))
+    }
+
+    /// Returns where the beams of a row start: with a lever arm not in the origin.
+    pub fn origin(&self, row: usize, column: usize) -> [f64; 3] {
+        let Kind::Nodding { turn_deg, turn_axis, .. } = &self.kind else { return [0.0; 3] };
+        let (st, ct) = (turn_deg.at(row) + self.beside.column_deg(column)).to_radians().sin_cos();
+        let out = match turn_axis {
+            TurnAxis::Y => [ct, 0.0, st],
+            TurnAxis::Z => [ct, st, 0.0],
+        };
+        out.map(|x| x * self.beside.lever_arm_m)
     }
 
     /// Checks the rules of the geometry file that hold for any image: numbers within their limits,
@@ -187,7 +234,9 @@ impl Geometry {
             [("cx", cx_px), ("cy", cy_px)].iter().for_each(|(key, x)| number(key, *x, &CENTRE_PX));
         }
         errors.extend(check_order(self.min_range_m, self.max_range_m).err());
-        self.angles().into_iter().flatten().for_each(|(key, angles)| errors.extend(angles.check(key)));
+        let angles = self.angles().into_iter().flatten().chain(self.offsets());
+        angles.for_each(|(key, angles)| errors.extend(angles.check(key)));
+        errors.extend(LEVER_ARM_M.check("lever_arm_m", self.beside.lever_arm_m).err());
         GeometryError::all(errors)
     }
 
@@ -196,15 +245,15 @@ impl Geometry {
     pub fn direction(&self, row: usize, column: usize) -> [f64; 3] {
         match &self.kind {
             Kind::Nodding { beam_deg, turn_deg, turn_axis } => {
-                let (sb, cb) = beam_deg.at(column).to_radians().sin_cos();
-                let (st, ct) = turn_deg.at(row).to_radians().sin_cos();
+                let (sb, cb) = (beam_deg.at(column) + self.beside.row_deg(row)).to_radians().sin_cos();
+                let (st, ct) = (turn_deg.at(row) + self.beside.column_deg(column)).to_radians().sin_cos();
                 match turn_axis {
                     TurnAxis::Y => [cb * ct, sb, cb * st],
                     TurnAxis::Z => [cb * ct, cb * st, sb],
                 }
             }
             Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
-                let (sa, ca) = azimuth_deg.at(column).to_radians().sin_cos();
+                let (sa, ca) = (azimuth_deg.at(column) + self.beside.row_deg(row)).to_radians().sin_cos();
                 let (se, ce) = elevation_deg.at(row).to_radians().sin_cos();
                 [ce * ca, ce * sa, se]
             }
@@ -214,6 +263,7 @@ impl Geometry {
                 let n = (1.0 + u * u + v * v).sqrt();
                 [1.0 / n, u / n, v / n]
             }
+            Kind::Free { directions, columns, .. } => directions[row * columns + column].map(f64::from),
         }
     }
 }

@@ -7,10 +7,13 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
+use crate::beside::Beside;
 use crate::file::{FileError, read_at_most};
 use crate::geometry::{Angles, Depth, Geometry, Kind, TurnAxis, check_order};
 use crate::geometry_error::{GeometryError, short};
-use crate::limits::{ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M};
+use crate::limits::{
+    ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, LEVER_ARM_M, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M,
+};
 use crate::noise::{LIMITS, Noise};
 use crate::sensors::{KNOWN, Sensor};
 
@@ -40,10 +43,13 @@ const KEYS: [&str; 16] = [
 ];
 /// Keys of each of [`KINDS`].
 const KEYS_OF_KINDS: [&[&str]; 3] = [
-    &["beam_deg", "turn_deg", "turn_axis"],
-    &["azimuth_deg", "elevation_deg", "wraps"],
+    &["beam_deg", "turn_deg", "turn_axis", "row_offset_deg", "column_offset_deg", "lever_arm_m"],
+    &["azimuth_deg", "elevation_deg", "wraps", "row_offset_deg"],
     &["fx", "fy", "cx", "cy", "depth"],
 ];
+
+/// What angles must be.
+const ANGLES: &str = "a list of angles or { start, step } (degrees)";
 
 /// What `version` must be.
 const VERSION: &str = "the whole number 1";
@@ -133,6 +139,17 @@ impl Geometry {
                     line(key, format!("{value:?}"));
                 }
             }
+            // no file has it
+            Kind::Free { .. } => line("kind", "\"free\"".to_string()),
+        }
+        let Beside { row_offset_deg, column_offset_deg, lever_arm_m } = &self.beside;
+        for (key, angles) in [("row_offset_deg", row_offset_deg), ("column_offset_deg", column_offset_deg)] {
+            if let Some(angles) = angles {
+                line(key, angles_toml(angles));
+            }
+        }
+        if *lever_arm_m != 0.0 {
+            line("lever_arm_m", format!("{lever_arm_m:?}"));
         }
         text
     }
@@ -174,8 +191,17 @@ fn geometry(keys: &mut Keys) -> Option<Geometry> {
         Some(_) => pinhole(keys),
         None => None,
     };
+    let beside = match name {
+        Some(NODDING) => Beside {
+            row_offset_deg: keys.optional_angles("row_offset_deg"),
+            column_offset_deg: keys.optional_angles("column_offset_deg"),
+            lever_arm_m: keys.optional_number("lever_arm_m", &LEVER_ARM_M).unwrap_or(0.0),
+        },
+        Some(SPINNING) => Beside { row_offset_deg: keys.optional_angles("row_offset_deg"), ..Beside::NONE },
+        _ => Beside::NONE,
+    };
     keys.nothing_left(name);
-    Some(Geometry { unit_m: unit_m?, no_return, min_range_m, max_range_m, range_noise_m, noise, kind: kind? })
+    Some(Geometry { unit_m: unit_m?, no_return, min_range_m, max_range_m, range_noise_m, noise, kind: kind?, beside })
 }
 
 fn nodding(keys: &mut Keys) -> Option<Kind> {
@@ -306,8 +332,17 @@ impl Keys {
     }
 
     fn angles(&mut self, key: &'static str) -> Option<Angles> {
-        const RULE: &str = "a list of angles or { start, step } (degrees)";
-        match self.required(key, RULE)? {
+        let value = self.required(key, ANGLES)?;
+        self.angles_of(key, value)
+    }
+
+    fn optional_angles(&mut self, key: &'static str) -> Option<Angles> {
+        let value = self.take(key)?;
+        self.angles_of(key, value)
+    }
+
+    fn angles_of(&mut self, key: &'static str, value: Value) -> Option<Angles> {
+        match value {
             Value::Array(list) if list.is_empty() => {
                 self.errors.push(GeometryError::value(key, "[]", "one angle or more"));
                 None
@@ -326,7 +361,7 @@ impl Keys {
                 Some(Angles::Even { start_deg: start_deg?, step_deg: step_deg? })
             }
             other => {
-                self.wrong(key, &other, RULE);
+                self.wrong(key, &other, ANGLES);
                 None
             }
         }

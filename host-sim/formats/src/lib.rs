@@ -1,5 +1,6 @@
 //! The files of scanseg: range images, their geometry, label images, captures of a scanner.
 
+mod beside;
 pub mod capture;
 pub mod file;
 pub mod geometry;
@@ -12,6 +13,7 @@ pub mod range_image;
 mod sensors;
 mod write;
 
+pub use beside::Beside;
 pub use capture::{Capture, CaptureError};
 pub use file::{FileError, read_at_most};
 pub use geometry::{Angles, Depth, Geometry, Kind, TurnAxis};

@@ -38,6 +38,8 @@ pub(crate) const ANGLE_DEG: Limits =
     Limits { text: "a number from -36000 to 36000 (degrees)", holds: |x| (-36e3..=36e3).contains(&x) };
 pub(crate) const STEP_DEG: Limits =
     Limits { text: "a number from -90 to 90 and not 0 (degrees)", holds: |x| x != 0.0 && (-90.0..=90.0).contains(&x) };
+pub(crate) const LEVER_ARM_M: Limits =
+    Limits { text: "a number from -10 to 10 (metres)", holds: |x| (-10.0..=10.0).contains(&x) };
 pub(crate) const FOCAL_PX: Limits = Limits {
     text: "a number from 0.1 to 1000000, or from -1000000 to -0.1 (pixels)",
     holds: |x| (0.1..=1e6).contains(&x.abs()),

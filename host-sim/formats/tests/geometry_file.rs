@@ -1,6 +1,6 @@
 //! Geometry files: what is refused and how it is said, exact round trips.
 use proptest::prelude::*;
-use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, SENSORS, TurnAxis};
+use scanseg_formats::{Angles, Beside, Depth, Geometry, Kind, Noise, SENSORS, TurnAxis};
 
 const SPINNING: &str = "version = 1
 unit_m = 0.001
@@ -35,19 +35,11 @@ fn each_kind_is_read() {
     let spinning = Geometry::parse(SPINNING).unwrap();
     assert_eq!(
         spinning,
-        Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: None,
-            max_range_m: None,
-            range_noise_m: None,
-            noise: Noise::NONE,
-            kind: Kind::Spinning {
-                azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
-                elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
-                wraps: true,
-            },
-        }
+        Geometry::of(Kind::Spinning {
+            azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
+            elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
+            wraps: true,
+        })
     );
     let nodding = Geometry::parse(NODDING).unwrap();
     assert_eq!(nodding.no_return, [32767, 0]);
@@ -331,8 +323,15 @@ proptest! {
         range_noise_m in prop::option::of(0.0..1.0),
         noise in noise(),
         kind in kind(),
+        beside in (prop::option::of(angles()), prop::option::of(angles()), -10.0..10.0),
     ) {
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
+        let (row_offset_deg, column_offset_deg, lever_arm_m) = beside;
+        let beside = match kind {
+            Kind::Nodding { .. } => Beside { row_offset_deg, column_offset_deg, lever_arm_m },
+            Kind::Spinning { .. } => Beside { row_offset_deg, ..Beside::NONE },
+            _ => Beside::NONE,
+        };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind, beside };
         prop_assert_eq!(Geometry::parse(&geometry.to_toml()), Ok(geometry));
     }
 
@@ -372,6 +371,7 @@ fn examples_of_the_documentation_are_geometry_files() {
         Kind::Nodding { .. } => "nodding",
         Kind::Spinning { .. } => "spinning",
         Kind::Pinhole { .. } => "pinhole",
+        Kind::Free { .. } => "free",
     });
     assert!(kinds.eq(["nodding", "pinhole", "spinning"]));
     for sensor in SENSORS {
