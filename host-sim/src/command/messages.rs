@@ -19,10 +19,14 @@ pub struct LinkOptions {
     pub link: Option<PathBuf>,
 }
 
-/// What has come over the link within the program: lines for the terminal, and all of its bytes.
+/// What has come over the link within the program: lines for the terminal, and its bytes where they
+/// are asked for.
 #[derive(Default)]
 pub struct Host {
+    /// Lines that have not been printed.
     pub lines: Vec<String>,
+    /// Lines that have been printed.
+    pub printed: usize,
     pub bytes: Vec<u8>,
     /// Pixels without a label, of all scans.
     pub unlabelled: u32,
@@ -35,18 +39,27 @@ impl Host {
         self.lines.extend(line(received));
         if let Received::Message { message: Message::ScanFinished(scan), .. } = received {
             self.unlabelled = self.unlabelled.saturating_add(scan.unlabelled);
-            self.scan_ends.push(self.lines.len());
+            self.scan_ends.push(self.printed + self.lines.len());
         }
+    }
+
+    /// Takes the lines that are to be printed, up to so many since the beginning.
+    pub fn take_lines(&mut self, until: usize) -> Vec<String> {
+        let count = until.saturating_sub(self.printed).min(self.lines.len());
+        self.printed += count;
+        self.lines.drain(..count).collect()
     }
 }
 
 impl LinkOptions {
     /// Returns a reporter whose frames come to `host`.
     pub fn reporter(&self, host: &Rc<RefCell<Host>>) -> Reporter<impl FnMut(&[u8]) + use<>> {
-        let (host, mut decoder) = (Rc::clone(host), FrameDecoder::new());
+        let (host, mut decoder, keeps_bytes) = (Rc::clone(host), FrameDecoder::new(), self.link.is_some());
         Reporter::new(self.min_pixels, move |frame: &[u8]| {
             let mut host = host.borrow_mut();
-            host.bytes.extend(frame);
+            if keeps_bytes {
+                host.bytes.extend(frame);
+            }
             decoder.feed(frame, |received| host.take(&received));
         })
     }

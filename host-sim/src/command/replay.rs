@@ -71,17 +71,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let host = Rc::default();
     let mut reporter = arguments.link.reporter(&host);
-    play(&capture, &mut rig, &mut reporter);
-    if rig.counters().scans == 0 {
-        reporter.send(&Message::Status(rig.counters()));
-    }
+    let lines = || host.borrow_mut().take_lines(usize::MAX).iter().map(|line| line.clone() + "\n").collect::<String>();
+    let played = play(&capture, &mut rig, &mut reporter, || print(&lines())).and_then(|()| {
+        if rig.counters().scans == 0 {
+            reporter.send(&Message::Status(rig.counters()));
+        }
+        print(&lines())
+    });
     let host = host.borrow();
     let (enough, max_labels) = (enough_labels(config.approach(), columns), arguments.options.max_labels());
     warnings::unlabelled_pixels(&name, host.unlabelled, enough, max_labels).iter().for_each(|warning| warn(warning));
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.bytes)?;
     }
-    print(&host.lines.iter().map(|line| line.clone() + "\n").collect::<String>())
+    played
 }
 
 /// Reads the capture, or makes one of raw bytes, and the geometry of its scans.
@@ -109,8 +112,13 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
     }
 }
 
-/// Gives the rig all that the capture holds, as a board would.
-fn play(capture: &Capture, rig: &mut Rig<'_, impl Segmenter>, sink: &mut impl RigSink) {
+/// Gives the rig all that the capture holds, as a board would, and prints what comes of it.
+fn play(
+    capture: &Capture,
+    rig: &mut Rig<'_, impl Segmenter>,
+    sink: &mut impl RigSink,
+    print: impl Fn() -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let mut session = Session::listening(capture.settings);
     for event in &capture.events {
         match event {
@@ -121,8 +129,10 @@ fn play(capture: &Capture, rig: &mut Rig<'_, impl Segmenter>, sink: &mut impl Ri
                     rig.trouble(trouble, sink);
                 }
                 rig.idle(*time_us, sink);
+                print()?;
             }
         }
     }
     rig.finish(sink);
+    Ok(())
 }

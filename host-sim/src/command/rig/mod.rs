@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let told = run.and_then(|over| {
         if over < scans {
             live.sink.send(&Message::Status(chain.rig.counters()));
-            print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
+            print(&format!("{}\n", host.borrow().lines.join("\n")))?;
         }
         Ok(())
     });
@@ -173,8 +173,6 @@ fn run_scans<S: Segmenter, R: RigSink>(
 /// someone to look.
 struct Screen<'a> {
     host: &'a RefCell<Host>,
-    /// Lines printed so far.
-    shown: usize,
     bar: ProgressBar,
     started: Instant,
 }
@@ -182,18 +180,17 @@ struct Screen<'a> {
 impl<'a> Screen<'a> {
     fn new(host: &'a RefCell<Host>) -> Result<Screen<'a>, Failure> {
         let style = ProgressStyle::with_template("{spinner} {prefix}\n{wide_msg}")?;
-        Ok(Screen { host, shown: 0, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
+        Ok(Screen { host, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
     }
 
     /// Prints what is new, up to the end of the last of so many scans. Returns how many of them are
     /// over.
     fn print_lines(&mut self, scans: usize) -> Result<usize, Failure> {
-        let host = self.host.borrow();
-        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(host.lines.len());
-        for line in &host.lines[self.shown..end] {
+        let mut host = self.host.borrow_mut();
+        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(usize::MAX);
+        for line in host.take_lines(end) {
             self.bar.suspend(|| print(&format!("{line}\n")))?;
         }
-        self.shown = end;
         Ok(host.scan_ends.len().min(scans))
     }
 
