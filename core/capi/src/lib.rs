@@ -1,8 +1,8 @@
 //! scanseg for C and C++: the functions of `include/scanseg.h`, which is made from this crate.
 //!
 //! Segmenters live in the caller's memory ([`State`]), results go to the caller's arrays
-//! ([`Output`]), and every call answers with a [`Status`]. The one crate of the project with
-//! `unsafe`, and with nothing else: the work is done by `scanseg-core`.
+//! ([`Output`]), and every call answers with a [`Status`]. It checks and passes on; the work is done by
+//! `scanseg-core`, which has no `unsafe`.
 //!
 //! # Safety of all functions
 //! Every pointer may be NULL or not aligned: that is answered with a status. Otherwise it points to
