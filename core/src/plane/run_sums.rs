@@ -143,9 +143,12 @@ fn without_shared(sums: [f32; 10], slope: [f32; 2], variance: f32) -> [f32; 10] 
     let [at, per] = slope;
     // weighted sums of the slope, and of its products with c, s and e
     let (h, hc, hs, he) = (at * w + per * c, at * c + per * cc, at * s + per * cs, at * e + per * ec);
-    let share = variance / (1.0 + variance * (at * h + per * hc));
+    let off = 1.0 + variance * (at * h + per * hc);
+    let share = variance / off;
+    // by Cauchy and Schwarz so much is left, where the difference has no digits
+    let (left, least) = (w - share * h * h, w / off);
     [
-        w - share * h * h,
+        if left > least { left } else { least },
         c - share * h * hc,
         s - share * h * hs,
         e - share * h * he,
