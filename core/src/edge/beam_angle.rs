@@ -14,7 +14,7 @@
 //! never taken for Phi.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{cross, dot, inverse_sqrt, less, plus};
+use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, plus};
 use crate::beam::{Beams, Columns};
 use crate::edge::trace::Trace;
 use crate::row::bits::CHUNK;
@@ -38,7 +38,7 @@ impl BeamAngle {
     /// From Phi in radians, 0 to pi.
     #[must_use]
     pub fn from_rad(phi_rad: f32) -> BeamAngle {
-        BeamAngle { sin: libm::sinf(phi_rad), vers: vers(phi_rad) }
+        BeamAngle { sin: cos_sin(phi_rad).1, vers: vers(phi_rad) }
     }
 
     fn from_vers(vers: f32) -> BeamAngle {
@@ -48,7 +48,7 @@ impl BeamAngle {
 
 /// vers x = 1 - cos x, without cancellation.
 fn vers(x_rad: f32) -> f32 {
-    let s = libm::sinf(0.5 * x_rad);
+    let (_, s) = cos_sin(0.5 * x_rad);
     2.0 * s * s
 }
 
@@ -99,7 +99,7 @@ impl Fan<'_> {
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
             Beams::Nodding { columns, .. } => {
-                let turn_half_sin = libm::sinf(0.5 * turn_rad).abs();
+                let turn_half_sin = cos_sin(0.5 * turn_rad).1.abs();
                 if offset == 0 && turn_half_sin < MAX_HALF_SIN {
                     return Pair::Tilted { turn_half_sin };
                 }
@@ -107,7 +107,7 @@ impl Fan<'_> {
                 return Pair::Nodding { offset, turn_vers, column_vers: even_vers(columns, offset) };
             }
             Beams::Spinning { columns, .. } => {
-                let scale = libm::cosf(now.beams.turn_rad) * libm::cosf(before.beams.turn_rad);
+                let scale = cos_sin(now.beams.turn_rad).0 * cos_sin(before.beams.turn_rad).0;
                 (columns, vers(turn_rad), scale)
             }
             &Beams::Pinhole { fx_px, fy_px, cy_px, .. } => {

@@ -5,7 +5,6 @@
 use core::ops::{ControlFlow, Range};
 
 use crate::area::Area;
-use crate::plane::config::PlaneConfig;
 use crate::plane::marks::{ENDED, FREE, LIVE, Marks, both_beyond};
 use crate::plane::rules::{LOOKED_AT, Rules};
 use crate::plane::tried::Tried;
@@ -46,9 +45,15 @@ pub(crate) struct Areas<'a> {
 }
 
 impl<'a> Areas<'a> {
-    pub fn new(table: &'a mut [Area], tried: Tried<'a>, axis: [f32; 3], config: &PlaneConfig) -> Areas<'a> {
+    pub fn new(
+        table: &'a mut [Area],
+        tried: Tried<'a>,
+        axis: [f32; 3],
+        rules: &'static Rules,
+        round: bool,
+    ) -> Areas<'a> {
         Self {
-            rules: config.rules,
+            rules,
             table,
             tried,
             next_label: 1,
@@ -61,7 +66,7 @@ impl<'a> Areas<'a> {
             turn_rad2: 0.0,
             axis,
             seam_rad: None,
-            round: config.round,
+            round,
         }
     }
 

@@ -59,14 +59,14 @@ struct RunSums {
 
 impl Weighing {
     /// Weight w, parts c, s and t of the beam along the row's axes less those in the middle, and
-    /// error e of a pixel with a return. `FIRST`: the plane is not known well enough to linearise
+    /// error e of a pixel with a return. `first`: the plane is not known well enough to linearise
     /// about it.
     #[inline(always)]
-    fn terms<const FIRST: bool>(&self, pixel: At) -> [f32; 5] {
+    fn terms(&self, first: bool, pixel: At) -> [f32; 5] {
         let Weighing { along: Along { a, b, k, turned }, steep, variance, spread, alike, middle, .. } = self;
         let At { cos, sin, beside, range_m: r } = pixel;
         let predicted = cos * a + sin * b + beside * turned + k;
-        let (q, range_m2) = if FIRST {
+        let (q, range_m2) = if first {
             (1.0 / r, r * r)
         } else {
             let q = if predicted * r > LEAST_SHARE { predicted } else { LEAST_SHARE / r };
@@ -78,16 +78,21 @@ impl Weighing {
         let variance_m2 = variance.at(r) + spread.at(range_m2, tan_square);
         let weight = 1.0 / (variance_m2 * q2 * q2 * alike);
         // what 1 / r is more than the plane has it
-        let error = if FIRST { q - predicted } else { q * (1.0 - r * q) };
+        let error = if first { q - predicted } else { q * (1.0 - r * q) };
         [weight, cos - middle.cos, sin - middle.sin, beside - middle.beside, error]
     }
 
     /// Adds the returns of a chunk from number `from` up to `to`.
     #[inline(always)]
-    fn add<const FIRST: bool>(&self, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
+    fn add(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
         if VECTORS {
             for block in from / LANES..to.div_ceil(LANES) {
-                self.add_eight::<FIRST>(block, [from as f32, to as f32], lanes, sums);
+                let part = [from as f32, to as f32];
+                if first {
+                    self.add_eight::<true>(block, part, lanes, sums);
+                } else {
+                    self.add_eight::<false>(block, part, lanes, sums);
+                }
             }
             return;
         }
@@ -95,7 +100,7 @@ impl Weighing {
         let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
         for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
             if range_m > 0.0 {
-                let [w, c, s, t, e] = self.terms::<FIRST>(At { cos, sin, beside, range_m });
+                let [w, c, s, t, e] = self.terms(first, At { cos, sin, beside, range_m });
                 let (wc, ws, we) = (w * c, w * s, w * e);
                 let terms = [w, wc, ws, we, wc * c, wc * s, ws * s, we * c, we * s, we * e];
                 for (sum, term) in sums.plain.iter_mut().zip(terms) {
@@ -122,7 +127,7 @@ impl Weighing {
             let inside = (ranges_m[j] > 0.0) & (numbers[j] >= from) & (numbers[j] < to);
             let range_m = if inside { ranges_m[j] } else { 1.0 };
             let pixel = At { cos: cosines[j], sin: sines[j], beside: besides[j], range_m };
-            [w[j], c[j], s[j], t[j], e[j]] = self.terms::<FIRST>(pixel);
+            [w[j], c[j], s[j], t[j], e[j]] = self.terms(FIRST, pixel);
             w[j] = if inside { w[j] } else { 0.0 };
         }
         accumulate(&[w, c, s, e], &mut sums.plain);
@@ -157,7 +162,8 @@ fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(target_os = "none"), inline(always))]
+#[cfg_attr(target_os = "none", inline(never))] // in 15 places it takes 1 KB
 fn total(l: Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
@@ -170,13 +176,16 @@ fn without_shared(sums: [f32; 10], beside: &mut [f32; 5], slope: [f32; 2], varia
     let [at, per] = slope;
     // weighted sums of the slope, and of its products with c, s and e
     let (h, hc, hs, he) = (at * w + per * c, at * c + per * cc, at * s + per * cs, at * e + per * ec);
-    let share = variance / (1.0 + variance * (at * h + per * hc));
+    let off = 1.0 + variance * (at * h + per * hc);
+    let share = variance / off;
     let ht = at * beside[0] + per * beside[1];
     for (sum, with) in beside.iter_mut().zip([h, hc, hs, ht, he]) {
         *sum -= share * ht * with;
     }
+    // by Cauchy and Schwarz so much is left, where the difference has no digits
+    let (left, least) = (w - share * h * h, w / off);
     [
-        w - share * h * h,
+        if left > least { left } else { least },
         c - share * h * hc,
         s - share * h * hs,
         e - share * h * he,
@@ -190,9 +199,10 @@ fn without_shared(sums: [f32; 10], beside: &mut [f32; 5], slope: [f32; 2], varia
 }
 
 impl Scanline<'_> {
-    /// Sums over the returns of a run, and their errors against the plane m.
+    /// Sums over the returns of a run, and their errors against the plane m; `first`: it is not known
+    /// well enough to linearise about it.
     #[inline(never)]
-    pub fn sums<const FIRST: bool>(&self, run: Range<usize>, m: [f32; 3], cached: &mut Cached) -> (Sums, Errors) {
+    pub fn sums(&self, first: bool, run: Range<usize>, m: [f32; 3], cached: &mut Cached) -> (Sums, Errors) {
         count(run.len());
         let along = self.along(m);
         // of its first chunk, which is read first
@@ -213,7 +223,7 @@ impl Scanline<'_> {
             let (lanes, i) = cached.lanes(self, at);
             let end = run.end.min((at / CHUNK + 1) * CHUNK);
             let last = i + end - at;
-            weighing.add::<FIRST>(i, last, lanes, &mut sums);
+            weighing.add(first, i, last, lanes, &mut sums);
             at = end;
         }
         let slope = if self.fan.spins() {
@@ -221,7 +231,7 @@ impl Scanline<'_> {
             [q * q, 0.0]
         } else {
             // how a line leans across the row is not known
-            let per = if FIRST { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
+            let per = if first { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
             [per * middle.cos, per]
         };
         let mut beside = sums.beside.map(total);
@@ -263,7 +273,7 @@ impl Scanline<'_> {
         let (q0, q1) = (1.0 / first.range_m, 1.0 / last.range_m);
         let slope = if square > 1e-12 { (q1 - q0) / square } else { 0.0 };
         let m = core::array::from_fn(|i| 0.5 * (q0 + q1) / size * middle[i] + slope * d[i]);
-        let (sums, errors) = self.sums::<true>(run, m, cached);
+        let (sums, errors) = self.sums(true, run, m, cached);
         Fitted::first(sums, m, &errors)
     }
 }

@@ -153,7 +153,7 @@ impl<'a> PlaneSegmenter<'a> {
         let slots = part_mut(memory.halves, 0..needed.halves);
         let (tried, bits) = split_mut(memory.words, tried_len(columns));
         let (ranging, rules) = (&config.ranging, config.rules);
-        let areas = Areas::new(memory.areas, Tried::new(tried), fan.axis(), &config);
+        let areas = Areas::new(memory.areas, Tried::new(tried), fan.axis(), rules, config.round);
         let stated = Variance::stated(ranging, rules.least_noise_m);
         let (progress, turns, measured) = (Progress::default(), Turns::default(), Measured::NONE);
         let mut segmenter = Self {

@@ -1,7 +1,7 @@
 //! The beams of a row: cosines and sines of its columns, and the points that its ranges are.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{cross, dot, inverse_sqrt, less, plus, round};
+use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, plus, round};
 use crate::beam::{Beams, Columns, MAX_COLUMNS, TurnAxis};
 use crate::error::ConfigError;
 use crate::moments::POINT_UNIT_M;
@@ -11,20 +11,6 @@ use crate::row_beams::RowBeams;
 /// (cos, sin) of the sum of two angles.
 fn add(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     (a.0 * b.0 - a.1 * b.1, a.1 * b.0 + a.0 * b.1)
-}
-
-fn cos_sin(x_rad: f32) -> (f32, f32) {
-    let (sin, cos) = libm::sincosf(x_rad);
-    (cos, sin)
-}
-
-/// Angles up to here have few terms.
-const SMALL_RAD: f32 = 0.1;
-
-/// The same of an angle below [`SMALL_RAD`], to 1e-8.
-fn small_cos_sin(x_rad: f32) -> (f32, f32) {
-    let square = x_rad * x_rad;
-    (1.0 - square * (0.5 - square * (1.0 / 24.0)), x_rad * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0))))
 }
 
 /// Cosine and sine within its row of the beam of a pinhole's column; `v` is the height of the row.
@@ -139,7 +125,7 @@ impl<'a> Fan<'a> {
             Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => {
                 for i in 0..CHUNK {
                     let angle = from.checked_add_unsigned(i).and_then(|c| list.get(usize::try_from(c).ok()?));
-                    (sin[i], cos[i]) = angle.map_or((0.0, 1.0), |&a| libm::sincosf(a));
+                    (cos[i], sin[i]) = angle.map_or((1.0, 0.0), |&a| cos_sin(a));
                 }
             }
         }
@@ -147,7 +133,7 @@ impl<'a> Fan<'a> {
 
     /// What the beams of a row depend on besides the column.
     pub fn frame<'r>(&self, at: RowBeam<'r>) -> Frame<'r> {
-        let (s, c) = libm::sincosf(at.beams.turn_rad);
+        let (c, s) = cos_sin(at.beams.turn_rad);
         let [p, q, r, t] = match &self.beams {
             Beams::Nodding { axis: TurnAxis::Y, .. } => [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0; 3], [-s, 0.0, c]],
             Beams::Nodding { axis: TurnAxis::Z, .. } => [[c, s, 0.0], [0.0, 0.0, 1.0], [0.0; 3], [-s, c, 0.0]],
@@ -222,10 +208,7 @@ impl<'a> Fan<'a> {
     /// Cosine and sine of how much more than its row a column is turned.
     fn turned(&self, frame: &Frame, column: usize) -> (f32, f32) {
         match &self.beams {
-            Beams::Nodding { columns, .. } => {
-                let turn_rad = columns.turn_rad(column) + frame.beams.column_turns.of(column);
-                if turn_rad.abs() < SMALL_RAD { small_cos_sin(turn_rad) } else { cos_sin(turn_rad) }
-            }
+            Beams::Nodding { columns, .. } => cos_sin(columns.turn_rad(column) + frame.beams.column_turns.of(column)),
             _ => (1.0, 0.0),
         }
     }
