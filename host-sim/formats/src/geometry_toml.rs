@@ -56,7 +56,7 @@ const ANGLES: &str = "a list of angles or { start, step } (degrees)";
 const VERSION: &str = "the whole number 1";
 
 /// No geometry file is longer: 65 535 + 16 384 angles and a comment at each.
-const MAX_FILE_BYTES: u64 = 16 << 20;
+pub(crate) const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Geometry {
     /// Reads the text of a geometry file, version 1.
