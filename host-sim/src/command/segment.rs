@@ -9,7 +9,7 @@ use scanseg_formats::GreyImage;
 use scanseg_sim::overview::{Images, overview};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
-use crate::command::input::Input;
+use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
@@ -22,11 +22,8 @@ const LONG_SCAN: usize = 1_000_000;
 /// Segment a range image
 #[derive(Args)]
 pub struct Arguments {
-    /// Range image: grey PGM (P5) or PNG
-    scan: PathBuf,
-    /// Its geometry file, see docs/scan-format.md
-    #[arg(long, value_name = "FILE")]
-    geometry: PathBuf,
+    #[command(flatten)]
+    scan: ScanArguments,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -45,7 +42,7 @@ pub struct ListOptions {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let input = arguments.scan.read()?;
     let config = arguments.options.config(&input.geometry)?;
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
@@ -107,7 +104,8 @@ pub fn segment(
     all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
     let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
-    let summary = format!("{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let remarks = input.remarks();
+    let summary = format!("{remarks}{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 

@@ -1,9 +1,10 @@
 //! Points as a scanner sees them that turns about an axis.
 
+use crate::angles::Angles;
 use crate::beside::Beside;
 use crate::cloud::length;
 use crate::cloud::recognise::{Arrangement, Deviation, median};
-use crate::geometry::{Angles, Kind, TurnAxis};
+use crate::geometry::{Kind, TurnAxis};
 
 /// Points as angles, radians; NaN where nothing was measured.
 pub(crate) struct Grid {

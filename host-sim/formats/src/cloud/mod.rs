@@ -31,9 +31,14 @@ impl Cloud {
     /// the options, if there is one.
     pub fn into_scan(mut self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
         let Cloud { rows, columns, .. } = self;
-        let unit_m = options.unit_m.unwrap_or(1.0);
+        let mut geometry = match &options.geometry {
+            Some(path) => Geometry::read(path)?,
+            None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
+        };
+        (geometry.unit_m, geometry.no_return) = (options.unit_m.unwrap_or(1.0), vec![]);
+        geometry.check()?;
         for point in &mut self.points {
-            let far = point.map(|x| (f64::from(x) * unit_m) as f32);
+            let far = point.map(|x| (f64::from(x) * geometry.unit_m) as f32);
             *point = if far.iter().all(|x| x.is_finite()) { far } else { [0.0; 3] };
         }
         let range_m: Vec<f32> = self.points.iter().map(|point| length(point) as f32).collect();
@@ -42,13 +47,9 @@ impl Cloud {
             return Err(ScanError::NothingMeasured { pixels: range_m.len() }.into());
         }
         let remarks = self.turn_forward();
-        let mut geometry = match &options.geometry {
-            Some(path) => Geometry::read(path)?,
-            None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
-        };
         let arrangement = recognise::arrangement(&self.points, columns);
-        (geometry.unit_m, geometry.no_return) = (unit_m, vec![]);
         (geometry.kind, geometry.beside) = (arrangement.kind, arrangement.beside);
+        geometry.check()?;
         geometry.fits(rows, columns)?;
         let mut image = RangeImage { rows, columns, range_m };
         image.keep_within(&geometry);
