@@ -176,13 +176,16 @@ fn without_shared(sums: [f32; 10], beside: &mut [f32; 5], slope: [f32; 2], varia
     let [at, per] = slope;
     // weighted sums of the slope, and of its products with c, s and e
     let (h, hc, hs, he) = (at * w + per * c, at * c + per * cc, at * s + per * cs, at * e + per * ec);
-    let share = variance / (1.0 + variance * (at * h + per * hc));
+    let off = 1.0 + variance * (at * h + per * hc);
+    let share = variance / off;
     let ht = at * beside[0] + per * beside[1];
     for (sum, with) in beside.iter_mut().zip([h, hc, hs, ht, he]) {
         *sum -= share * ht * with;
     }
+    // by Cauchy and Schwarz so much is left, where the difference has no digits
+    let (left, least) = (w - share * h * h, w / off);
     [
-        w - share * h * h,
+        if left > least { left } else { least },
         c - share * h * hc,
         s - share * h * hs,
         e - share * h * he,

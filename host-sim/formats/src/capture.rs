@@ -26,7 +26,8 @@ use scanseg_hal::lms2xx::{Baud, Event, MeasuringMode, SCAN_LINE, Settings, Teleg
 use scanseg_hal::pairing::BeamAges;
 use scanseg_hal::rig::TiltLimits;
 
-use crate::geometry::{Angles, Geometry, Kind, TurnAxis};
+use crate::angles::Angles;
+use crate::geometry::{Geometry, Kind, TurnAxis};
 
 /// First line of a capture.
 pub const HEAD: &str = "scanseg capture 1";

@@ -7,9 +7,10 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
+use crate::angles::Angles;
 use crate::beside::Beside;
 use crate::file::{FileError, read_at_most};
-use crate::geometry::{Angles, Depth, Geometry, Kind, TurnAxis, check_order};
+use crate::geometry::{Depth, Geometry, Kind, TurnAxis, check_order};
 use crate::geometry_error::{GeometryError, short};
 use crate::limits::{
     ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, LEVER_ARM_M, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M,

@@ -1,5 +1,6 @@
 //! The files of scanseg: range images, their geometry, label images, captures of a scanner.
 
+mod angles;
 mod beside;
 mod camera;
 pub mod capture;
@@ -22,10 +23,11 @@ mod sensors;
 mod streamed;
 mod write;
 
+pub use angles::Angles;
 pub use beside::Beside;
 pub use capture::{Capture, CaptureError};
 pub use file::{FileError, read_at_most};
-pub use geometry::{Angles, Depth, Geometry, Kind, TurnAxis};
+pub use geometry::{Depth, Geometry, Kind, TurnAxis};
 pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;

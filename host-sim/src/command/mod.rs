@@ -12,6 +12,7 @@ mod noise;
 mod office;
 mod options;
 mod output;
+mod planes;
 mod replay;
 mod rig;
 mod say;
@@ -19,6 +20,7 @@ mod scene_set;
 mod segment;
 #[cfg(unix)]
 mod signals;
+mod warnings;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -31,6 +33,7 @@ use crate::command::output::Failure;
 /// 2006).
 #[derive(Parser)]
 #[command(name = "scanseg", version, arg_required_else_help = true)]
+#[command(after_help = "Range images and their geometry files, with examples to copy: docs/scan-format.md")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -9,11 +9,12 @@ use scanseg_formats::GreyImage;
 use scanseg_sim::overview::{Images, overview};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
-use crate::command::input::Input;
+use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
+use crate::command::{planes, warnings};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
@@ -21,11 +22,8 @@ const LONG_SCAN: usize = 1_000_000;
 /// Segment a range image
 #[derive(Args)]
 pub struct Arguments {
-    /// Range image: grey PGM (P5) or PNG
-    scan: PathBuf,
-    /// Its geometry file (TOML)
-    #[arg(long, value_name = "FILE")]
-    geometry: PathBuf,
+    #[command(flatten)]
+    scan: ScanArguments,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -44,16 +42,15 @@ pub struct ListOptions {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let input = arguments.scan.read()?;
     let config = arguments.options.config(&input.geometry)?;
-    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a range image. Returns the files to write, and what to print. Warns of a noise that
-/// does not fit.
+/// Segments a range image. Returns the files to write, and what to print. Warns of what looks
+/// wrong.
 pub fn segment(
     input: &Input,
     config: AnyConfig<'_>,
@@ -102,9 +99,13 @@ pub fn segment(
     ];
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
     let stated = options.states_noise(&input.geometry);
-    noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
+    let mut all = warnings::of_scan(input, &config, stated);
+    all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
+    all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
-    let summary = format!("{table}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
+    let remarks = input.remarks();
+    let summary = format!("{remarks}{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 
