@@ -253,7 +253,7 @@ fn what_cannot_be_used_is_named_in_one_line_and_nothing_is_written() {
     fails(&folder, &with("scan.pgm", "scan.pgm", ""), &["scan.pgm"]);
     fails(&folder, &with("scan.pgm", "wrong.toml", ""), &["wrong.toml", "kind"]);
     fails(&folder, &with("scan.pgm", "listed.toml", ""), &["listed.toml", "scan.pgm", "turn_deg", "3", "50"]);
-    fails(&folder, &with("scan.pgm", "steep.toml", ""), &["scan.pgm", "step_rad"]);
+    fails(&folder, &with("scan.pgm", "steep.toml", ""), &["steep.toml", "beam_deg.step", "90"]);
     for (option, says) in [
         ("--preset best", "paper"),
         ("--frob 1", "--frob"),

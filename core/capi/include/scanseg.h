@@ -7,6 +7,8 @@
  *     for each row: scanseg_push_row(segmenter, ranges_m, 361, turn_rad, &output);
  *     scanseg_finish(segmenter, &output);              // then scanseg_reset for the next scan
  *
+ * A whole image that is there already takes one call, `scanseg_segment_image`.
+ *
  * The segmenter lives in memory of yours, `SCANSEG_STATE_SIZE(columns)` bytes; nothing is allocated, no call blocks, and
  * there is no global state: one segmenter belongs to one thread at a time, and different ones do not know of each other.
  *
@@ -35,8 +37,11 @@
                                          + 4 * (size_t)((trace_rows) > 3 ? (trace_rows) : 3)) \
      + 136 * (size_t)(traces))
 
-/** Events that one call can bring at most, for images of so many columns. */
+/** Events that one row or the end of a scan can bring at most, for images of so many columns. */
 #define SCANSEG_MAX_EVENTS(columns) (2 * (size_t)(columns) + 4)
+
+/** Elements of the work memory of `scanseg_segment_image`. */
+#define SCANSEG_IMAGE_WORK(rows, columns) (2 * ((size_t)(rows) * (size_t)(columns) + 1))
 
 /** An output that nothing was asked of yet: `scanseg_output output = SCANSEG_OUTPUT_INIT;` */
 #define SCANSEG_OUTPUT_INIT {sizeof(scanseg_output), 0, NULL, 0, NULL, 0, NULL, NULL, 0, 0, 0, 0, 0}
@@ -428,7 +433,8 @@ typedef struct scanseg_output {
     uint32_t *labels;
     /**
      * Elements of `labels`: at least `columns` for `scanseg_push_row`, and with `SCANSEG_EDGE`
-     * `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`.
+     * `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`; `rows * columns` for
+     * `scanseg_segment_image`.
      */
     size_t label_capacity;
     /**
@@ -436,7 +442,7 @@ typedef struct scanseg_output {
      */
     struct scanseg_event *events;
     /**
-     * Elements of `events`; `SCANSEG_MAX_EVENTS(columns)` always suffice.
+     * Elements of `events`; for one row `SCANSEG_MAX_EVENTS(columns)` always suffice.
      */
     size_t event_capacity;
     /**
@@ -452,7 +458,7 @@ typedef struct scanseg_output {
      */
     size_t event_count;
     /**
-     * Given out: events that did not fit.
+     * Given out: events that did not fit; by `scanseg_segment_image` also where there is no array.
      */
     size_t events_lost;
     /**
@@ -465,7 +471,7 @@ typedef struct scanseg_output {
      */
     uint32_t unlabelled;
     /**
-     * Given out by `scanseg_finish`: rows of the scan.
+     * Given out by `scanseg_finish` and `scanseg_segment_image`: rows of the scan.
      */
     uint32_t scan_rows;
 } scanseg_output;
@@ -493,7 +499,7 @@ typedef struct scanseg_plane {
     float rms_m;
     /**
      * Covariance of (normal x, y, z, distance): symmetric, in rad^2, rad m and m^2. Of rank 3. From
-     * the residuals; `SCANSEG_PLANE`: from the noise that the ranges are said or found to have, and
+     * the residuals, and where these are below 1/4096 m from the rounding of points; `SCANSEG_PLANE`: from the noise that the ranges are said or found to have, and
      * from the residuals where these are larger.
      */
     float covariance[4][4];
@@ -573,7 +579,7 @@ typedef struct scanseg_plane {
 #define SCANSEG_ERROR_ROW_LENGTH -10
 
 /**
- * The angle of the row is NaN, infinite or beyond 1000 turns. The row was not taken.
+ * The angle of the row is NaN, infinite or beyond 6300 rad. The row was not taken.
  */
 #define SCANSEG_ERROR_TURN_ANGLE -11
 
@@ -586,6 +592,11 @@ typedef struct scanseg_plane {
  * The array of labels is too small. Nothing was done.
  */
 #define SCANSEG_ERROR_LABELS_SIZE -13
+
+/**
+ * The work memory is smaller than `SCANSEG_IMAGE_WORK` says. Nothing was done.
+ */
+#define SCANSEG_ERROR_WORK_SIZE -14
 
 #ifdef __cplusplus
 extern "C" {
@@ -655,8 +666,8 @@ scanseg_status scanseg_init(void *memory,
                             struct scanseg_segmenter **segmenter);
 
 /**
- * Takes the next row. Work is linear in the columns, but for `SCANSEG_PLANE` where many areas
- * begin.
+ * Takes the next row. Work is linear in the columns, whatever is seen: `SCANSEG_PLANE` takes up to
+ * seven times as much for scenes that no plane explains as for an office.
  *
  * @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive
  *        ranges, and those outside of the configured limits, are pixels without a return.
@@ -689,6 +700,39 @@ scanseg_status scanseg_finish(struct scanseg_segmenter *segmenter, struct scanse
  * Drops what was pushed, if anything: the next row is the first of a new scan.
  */
 scanseg_status scanseg_reset(struct scanseg_segmenter *segmenter);
+
+/**
+ * Segments a whole image in one call, in place of `scanseg_push_row` for each row and
+ * `scanseg_finish`, and applies all joins: each pixel has the label that its surface has in the end,
+ * and the events are the segments that are left, each once, in the order of their labels. Any scan
+ * that is under way is dropped before; the next image needs no reset. Work is linear in the pixels.
+ *
+ * Where room runs out the result is still defined. Segments that do not fit in `events` are
+ * counted: `event_count + events_lost` is the number of segments, and their labels are right.
+ * Pixels for which the segmenter's table had no room are `SCANSEG_UNLABELLED`, and counted.
+ *
+ * @param ranges_m `rows` times `columns` ranges, row after row; see `scanseg_push_row`.
+ * @param rows rows of the image, up to 65535.
+ * @param columns must be the columns of the segmenter.
+ * @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera needs
+ *        none, and may have NULL.
+ * @param work memory of yours that the call works in; what it holds before and afterwards does not
+ *        matter.
+ * @param work_capacity elements of `work`: at least `SCANSEG_IMAGE_WORK(rows, columns)`.
+ * @param output is given the labels of the image and its segments. The callback, if there is one,
+ *        is told each join and segment as they come, before the joins are applied.
+ * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED` (the output has the rows and
+ *        segments so far), or an error. A turn angle that cannot be used is found when its row comes:
+ *        then the arrays hold nothing of use, and the scan is dropped.
+ */
+scanseg_status scanseg_segment_image(struct scanseg_segmenter *segmenter,
+                                     const float *ranges_m,
+                                     size_t rows,
+                                     size_t columns,
+                                     const float *turns_rad,
+                                     uint32_t *work,
+                                     size_t work_capacity,
+                                     struct scanseg_output *output);
 
 /**
  * The plane of a segment. `SCANSEG_PLANE`: that of least squares of the range errors, some 300

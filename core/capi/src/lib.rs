@@ -21,6 +21,7 @@ compile_error!("without the feature `std` panics must abort: build with the prof
 mod check;
 mod checked;
 mod config;
+mod image;
 mod output;
 #[cfg(all(not(feature = "std"), not(test)))]
 mod panic;
@@ -37,7 +38,9 @@ use core::ffi::{c_char, c_void};
 
 use check::check_pointer;
 use checked::{Checked, Refused};
+use image::{Labels, WORK_PER_LABEL};
 use output::Collector;
+use scanseg_core::MAX_ROWS;
 use state::{Handle, Layout};
 
 /// Version of this header: first number.
@@ -161,8 +164,8 @@ pub unsafe extern "C" fn scanseg_init(
     status(made.map(|_| ()))
 }
 
-/// Takes the next row. Work is linear in the columns, but for `SCANSEG_PLANE` where many areas
-/// begin.
+/// Takes the next row. Work is linear in the columns, whatever is seen: `SCANSEG_PLANE` takes up to
+/// seven times as much for scenes that no plane explains as for an office.
 ///
 /// @param ranges_m one range per column, metres along the beam. NaN, infinite and non-positive
 ///        ranges, and those outside of the configured limits, are pixels without a return.
@@ -192,7 +195,7 @@ pub unsafe extern "C" fn scanseg_push_row(
         }
         // SAFETY: not NULL, aligned, and the caller's promise.
         let (ranges_m, mut collector) =
-            unsafe { (core::slice::from_raw_parts(ranges_m, columns), Collector::new(output, 1, columns)?) };
+            unsafe { (core::slice::from_raw_parts(ranges_m, columns), Collector::new(output, 1, columns, None)?) };
         let stopped = handle.push_row(ranges_m, turn_rad, &mut collector)?;
         let done = collector.done(0);
         Ok(if stopped { SCANSEG_STOPPED } else { done })
@@ -214,7 +217,7 @@ pub unsafe extern "C" fn scanseg_finish(segmenter: *mut State, output: *mut Outp
         handle.scanning()?;
         let rows = handle.latency_rows();
         // SAFETY: as above.
-        let mut collector = unsafe { Collector::new(output, rows, handle.columns)? };
+        let mut collector = unsafe { Collector::new(output, rows, handle.columns, None)? };
         let scan_rows = handle.finish(&mut collector);
         let done = collector.done(scan_rows.unwrap_or(0));
         Ok(if scan_rows.is_none() { SCANSEG_STOPPED } else { done })
@@ -227,6 +230,90 @@ pub unsafe extern "C" fn scanseg_finish(segmenter: *mut State, output: *mut Outp
 pub unsafe extern "C" fn scanseg_reset(segmenter: *mut State) -> Status {
     // SAFETY: the caller's promise, at the head of the crate.
     status(unsafe { Handle::new(segmenter) }.map(|mut handle| handle.reset()))
+}
+
+/// Segments a whole image in one call, in place of `scanseg_push_row` for each row and
+/// `scanseg_finish`, and applies all joins: each pixel has the label that its surface has in the end,
+/// and the events are the segments that are left, each once, in the order of their labels. Any scan
+/// that is under way is dropped before; the next image needs no reset. Work is linear in the pixels.
+///
+/// Where room runs out the result is still defined. Segments that do not fit in `events` are
+/// counted: `event_count + events_lost` is the number of segments, and their labels are right.
+/// Pixels for which the segmenter's table had no room are `SCANSEG_UNLABELLED`, and counted.
+///
+/// @param ranges_m `rows` times `columns` ranges, row after row; see `scanseg_push_row`.
+/// @param rows rows of the image, up to 65535.
+/// @param columns must be the columns of the segmenter.
+/// @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera needs
+///        none, and may have NULL.
+/// @param work memory of yours that the call works in; what it holds before and afterwards does not
+///        matter.
+/// @param work_capacity elements of `work`: at least `SCANSEG_IMAGE_WORK(rows, columns)`.
+/// @param output is given the labels of the image and its segments. The callback, if there is one,
+///        is told each join and segment as they come, before the joins are applied.
+/// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED` (the output has the rows and
+///        segments so far), or an error. A turn angle that cannot be used is found when its row comes:
+///        then the arrays hold nothing of use, and the scan is dropped.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // arrays of C come with their lengths
+pub unsafe extern "C" fn scanseg_segment_image(
+    segmenter: *mut State,
+    ranges_m: *const f32,
+    rows: usize,
+    columns: usize,
+    turns_rad: *const f32,
+    work: *mut u32,
+    work_capacity: usize,
+    output: *mut Output,
+) -> Status {
+    let segment = || {
+        // SAFETY: the caller's promise, at the head of the crate.
+        let mut handle = unsafe { Handle::new(segmenter)? };
+        check_pointer(ranges_m)?;
+        if !(turns_rad.is_null() && handle.camera()) {
+            check_pointer(turns_rad)?;
+        }
+        check_pointer(work)?;
+        if columns != handle.columns {
+            return Err(SCANSEG_ERROR_ROW_LENGTH);
+        }
+        if rows > MAX_ROWS {
+            return Err(SCANSEG_ERROR_TOO_MANY_ROWS);
+        }
+        let labels = rows * columns + 1;
+        if work_capacity < WORK_PER_LABEL * labels {
+            return Err(SCANSEG_ERROR_WORK_SIZE);
+        }
+        // SAFETY: not NULL, aligned, and the caller's promise; zeros are entries.
+        let mut collector = unsafe {
+            work.write_bytes(0, WORK_PER_LABEL * labels);
+            let entries = core::slice::from_raw_parts_mut(work.cast(), labels);
+            Collector::new(output, rows, columns, Some(Labels::new(entries)))?
+        };
+        handle.reset();
+        for row in 0..rows {
+            // SAFETY: not NULL, aligned, and the caller's promise.
+            let (row_m, turn_rad) = unsafe {
+                let turn_rad = if turns_rad.is_null() { 0.0 } else { turns_rad.add(row).read() };
+                (core::slice::from_raw_parts(ranges_m.add(row * columns), columns), turn_rad)
+            };
+            match handle.push_row(row_m, turn_rad, &mut collector) {
+                Ok(false) => {}
+                Ok(true) => {
+                    collector.done(0);
+                    return Ok(SCANSEG_STOPPED);
+                }
+                Err(error) => {
+                    handle.reset();
+                    return Err(error);
+                }
+            }
+        }
+        let scan_rows = handle.finish(&mut collector);
+        let done = collector.done(scan_rows.unwrap_or(0));
+        Ok(if scan_rows.is_none() { SCANSEG_STOPPED } else { done })
+    };
+    segment().unwrap_or_else(|error| error)
 }
 
 /// The plane of a segment. `SCANSEG_PLANE`: that of least squares of the range errors, some 300

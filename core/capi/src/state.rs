@@ -21,6 +21,7 @@
 use scanseg_core::{AnySegmenter, Area, Finished, Memory, PushError, Segmenter, Sink, Sizes, Trace};
 
 use crate::checked::Checked;
+use crate::config::SCANSEG_PINHOLE;
 use crate::status::{
     SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_BUSY, SCANSEG_ERROR_CONFIG, SCANSEG_ERROR_MEMORY_SIZE,
     SCANSEG_ERROR_NO_SEGMENTER, SCANSEG_ERROR_NULL, SCANSEG_ERROR_ROW_LENGTH, SCANSEG_ERROR_SCAN_OVER,
@@ -39,6 +40,8 @@ pub struct State {
     address: usize,
     columns: usize,
     phase: Phase,
+    /// Whether rows have no angle.
+    camera: bool,
     /// Its references are those that the module describes.
     segmenter: AnySegmenter<'static>,
 }
@@ -142,7 +145,8 @@ pub(crate) unsafe fn make(memory: *mut u8, size: usize, checked: &Checked) -> Re
     let segmenter = AnySegmenter::new(checked.any_config(traces), checked.beams(angles), columns, memory);
     // cannot fail: everything was checked before
     let segmenter = segmenter.map_err(|_| SCANSEG_ERROR_CONFIG)?;
-    let made = State { number: NUMBER, address: state.addr(), columns, phase: Phase::Scanning, segmenter };
+    let camera = checked.config.beams == SCANSEG_PINHOLE;
+    let made = State { number: NUMBER, address: state.addr(), columns, phase: Phase::Scanning, camera, segmenter };
     // SAFETY: the block is aligned and large enough, and no part reaches in here.
     unsafe { state.write(made) };
     Ok(state)
@@ -196,6 +200,12 @@ impl Handle {
         // SAFETY: as above.
         unsafe { (*state).phase = if over { Phase::Over } else { then } };
         result
+    }
+
+    /// Whether rows have no angle.
+    pub fn camera(&self) -> bool {
+        // SAFETY: `new` has found a segmenter there.
+        unsafe { (*self.state).camera }
     }
 
     /// Rows of labels that `finish` may give out.

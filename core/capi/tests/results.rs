@@ -1,9 +1,10 @@
 //! What comes out for C is what the core finds.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use scanseg_capi::*;
-use scanseg_capi_tests::{APPROACHES, COLUMNS, ROWS, Session, nodding, room_m, state_size};
+use scanseg_capi_tests::{APPROACHES, COLUMNS, ROWS, Session, nodding, output, room_m, state_size};
 use scanseg_core::{
     AnyConfig, AnySegmenter, Area, Beams, Columns, EdgeConfig, Finished, Join, LabelRow, Memory, Pixel, PlaneConfig,
     Ranging, RegionConfig, Segment, Segmenter, Sink, TurnAxis,
@@ -215,6 +216,87 @@ fn few_labels_as_the_core() {
         let labels = compare(&config, Beams::Nodding { columns: EVEN, axis: TurnAxis::Y }, 0.01);
         assert!(labels.contains(&SCANSEG_UNLABELLED) || approach == SCANSEG_PLANE);
     }
+}
+
+/// Pushes the rows of an image and applies the joins, as a user would: the labels, and the segments
+/// that are left.
+fn by_rows(config: &Config, rows: &[Vec<f32>]) -> (Vec<u32>, Vec<Event>) {
+    let mut session = Session::new(config);
+    for (row, ranges_m) in rows.iter().enumerate() {
+        assert_eq!(session.push(ranges_m, turn_rad(row)), SCANSEG_OK);
+    }
+    assert_eq!(session.finish(), SCANSEG_OK);
+    let (mut into, mut segments) = (BTreeMap::new(), BTreeMap::new());
+    for event in &session.events {
+        if event.kind == SCANSEG_JOIN {
+            into.insert(event.label, event.into);
+            segments.remove(&event.label);
+        } else {
+            segments.insert(event.label, *event);
+        }
+    }
+    let last = |mut label: u32| {
+        while let Some(&next) = into.get(&label) {
+            label = next;
+        }
+        label
+    };
+    (session.labels.iter().map(|&label| last(label)).collect(), segments.into_values().collect())
+}
+
+/// Segments an image in one call, with room for so many events.
+fn by_image(session: &Session, rows: &[Vec<f32>], room: usize) -> (Status, Vec<u32>, Vec<Event>, usize) {
+    let ranges_m = rows.concat();
+    let turns_rad: Vec<_> = (0..rows.len()).map(turn_rad).collect();
+    let mut labels = vec![77; ranges_m.len()];
+    let mut events = vec![Event::default(); room];
+    let mut work = vec![0xA5A5_A5A5; 2 * (ranges_m.len() + 1)];
+    let mut out = Output {
+        labels: labels.as_mut_ptr(),
+        label_capacity: labels.len(),
+        events: events.as_mut_ptr(),
+        event_capacity: events.len(),
+        ..output()
+    };
+    // SAFETY: the segmenter of a session, and arrays of these sizes.
+    let status = unsafe {
+        let (ranges_m, turns_rad) = (ranges_m.as_ptr(), turns_rad.as_ptr());
+        let (work, size) = (work.as_mut_ptr(), work.len());
+        scanseg_segment_image(session.segmenter, ranges_m, rows.len(), COLUMNS, turns_rad, work, size, &mut out)
+    };
+    assert_eq!((out.first_row, out.row_count, out.scan_rows), (0, rows.len() as u32, rows.len() as u32));
+    assert_eq!(out.unlabelled as usize, labels.iter().filter(|&&label| label == SCANSEG_UNLABELLED).count());
+    events.truncate(out.event_count);
+    (status, labels, events, out.events_lost)
+}
+
+/// A whole image is its rows with all joins applied, whatever the room for events; the next image
+/// needs no reset.
+#[test]
+fn an_image_is_its_rows() {
+    let mut joined = 0;
+    for (approach, noise, max_labels) in APPROACHES.into_iter().flat_map(|a| [(a, 0.02, 0), (a, 3.0, 0), (a, 0.5, 9)]) {
+        let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();
+        let config = Config { max_labels, ..nodding(approach) };
+        let (labels, segments) = by_rows(&config, &rows);
+        let mut session = Session::new(&config);
+        assert_eq!(session.push(&rows[0], 0.0), SCANSEG_OK); // to be dropped
+        let most = segments.len();
+        for room in [most + 9, most, most.saturating_sub(1), most / 2, 1, 0] {
+            let (status, found, events, lost) = by_image(&session, &rows, room);
+            assert_eq!(status, if lost > 0 { SCANSEG_EVENTS_FULL } else { SCANSEG_OK });
+            assert_eq!(found, labels, "approach {approach}, noise {noise}, room {room}");
+            assert_eq!((events.len() + lost, lost > 0), (most, room < most));
+            assert!(events.is_sorted_by_key(|event| event.label));
+            assert!(events.iter().all(|event| segments.contains(event)));
+            // each has the pixels that are said
+            for event in &events {
+                assert_eq!(found.iter().filter(|&&label| label == event.label).count(), event.pixels as usize);
+            }
+        }
+        joined += segments.len();
+    }
+    assert!(joined > 20);
 }
 
 /// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end

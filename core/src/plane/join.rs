@@ -6,6 +6,7 @@
 
 use core::ops::{ControlFlow, Range};
 
+use crate::arithmetic::cross;
 use crate::arithmetic::dot;
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
@@ -15,7 +16,7 @@ use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
 use crate::sink::Sink;
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::{Sums, cross};
+use crate::weighted::sums::Sums;
 
 impl Areas<'_> {
     /// Squares for each point that the turn angle explains, on a plane m.

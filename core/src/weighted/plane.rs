@@ -2,9 +2,9 @@
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::dot;
+use crate::arithmetic::plus;
 use crate::plane_fit::Plane;
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::plus;
 
 /// Standard deviation of each component of m that rounding leaves, of the size of m: sixteen times
 /// the rounding of single precision.

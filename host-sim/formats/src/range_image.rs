@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::fmt;
 
-use crate::geometry::{Depth, Geometry, GeometryError, Kind};
+use crate::geometry::{Depth, Geometry, Kind};
+use crate::geometry_error::GeometryError;
 use crate::grey_image::GreyImage;
 
 /// Ranges along the beams, row by row, in the order in which the rows arrive.

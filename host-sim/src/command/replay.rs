@@ -1,13 +1,12 @@
 //! `scanseg replay`: what a scanner and its tilt said, through the same code as on a board.
 
-use std::fs;
 use std::path::PathBuf;
 use std::rc::Rc;
 
 use clap::Args;
 use scanseg_core::{AnySegmenter, Segmenter};
-use scanseg_formats::capture::{Capture, CaptureEvent, HEAD, geometry_on_tilt};
-use scanseg_formats::{Angles, FileError, Geometry, Kind, write_atomic};
+use scanseg_formats::capture::{Capture, CaptureEvent, MAGIC, geometry_on_tilt};
+use scanseg_formats::{Angles, FileError, Geometry, Kind, read_at_most, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
@@ -37,6 +36,9 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
 }
+
+/// No capture is longer: three hours of a scanner at its fastest.
+const MOST_BYTES: u64 = 1 << 30;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.capture.display().to_string();
@@ -73,8 +75,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
     let name = arguments.capture.display();
     let file_error = |cause| FileError { path: arguments.capture.clone(), cause };
-    let raw = fs::read(&arguments.capture).map_err(|e| file_error(e.into()))?;
-    match (raw.starts_with(HEAD.as_bytes()), &arguments.geometry, arguments.range_bits) {
+    let raw = read_at_most(&arguments.capture, MOST_BYTES).map_err(|e| file_error(e.into()))?;
+    match (raw.starts_with(MAGIC.as_bytes()), &arguments.geometry, arguments.range_bits) {
         (true, None, _) => {
             let text = String::from_utf8_lossy(&raw);
             let capture = Capture::parse(&text).map_err(|e| file_error(e.into()))?;

@@ -1,7 +1,6 @@
 //! `scanseg segment`: a range image in; labels, edges, bearing angles, lists and an overview out.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 use indicatif::ProgressBar;
@@ -68,9 +67,8 @@ pub fn segment(
         Segmentation::of(&input.ranges, &input.geometry, config, options.max_labels(), || bar.inc(1))
             .map_err(|e| in_terms_of_options(&input.name, e))
     };
-    let started = Instant::now();
     let segmentation = run(config)?;
-    let seconds = started.elapsed().as_secs_f64();
+    let seconds = segmentation.core_time.as_secs_f64();
     let edges = match config {
         AnyConfig::Edge(config) => edges_along_rows_and_columns(config, run)?,
         _ => vec![],
@@ -106,7 +104,7 @@ pub fn segment(
     let stated = options.states_noise(&input.geometry);
     noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
-    let summary = format!("{table}{noise}\nsegmented in {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let summary = format!("{table}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 

@@ -1,6 +1,6 @@
 //! The memory of a segmenter, on the heap.
 
-use scanseg_core::{AnyConfig, Approach, Area, Memory, Sizes, live_labels};
+use scanseg_core::{AnyConfig, Approach, Area, Beams, Memory, Sizes, live_labels};
 
 /// The slices that a segmenter works in.
 #[derive(Clone, Debug)]
@@ -12,8 +12,8 @@ pub struct OwnedMemory {
 }
 
 impl OwnedMemory {
-    /// Returns memory for images of `columns` columns, with a table of `max_labels` areas; without
-    /// it there is room for any image.
+    /// Returns memory for images of `columns` columns with any beams, with a table of `max_labels`
+    /// areas; without it there is room for any image.
     pub fn new<'a>(config: impl Into<AnyConfig<'a>>, columns: usize, max_labels: Option<usize>) -> OwnedMemory {
         let config = config.into();
         let enough = match config.approach() {
@@ -21,7 +21,8 @@ impl OwnedMemory {
             Approach::Plane => 2 * columns,
             Approach::Edge | Approach::Region => live_labels(columns),
         };
-        OwnedMemory::of(config.sizes_with(columns, max_labels.unwrap_or(enough).min(enough)))
+        let areas = max_labels.unwrap_or(enough).min(enough);
+        OwnedMemory::of(Sizes { areas, ..config.sizes_for(&Beams::Free { wraps: false }, columns) })
     }
 
     /// Returns memory of these sizes.

@@ -1,9 +1,11 @@
 //! Whole scans through the core: beams and memory from a geometry file, rows pushed one by one,
 //! results collected.
 
+mod apart;
 mod beams;
 mod bearing;
 mod error;
+mod found;
 mod memory;
 mod noise;
 mod ranging;

@@ -104,18 +104,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut screen = Screen::new(&host)?;
     let scans = arguments.scans as usize;
     let save = arguments.save.is_some().then_some(&mut saved);
-    let over = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save)?;
-    if over < scans {
-        live.sink.send(&Message::Status(chain.rig.counters()));
-        print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
-    }
+    let run = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save);
+    let told = run.and_then(|over| {
+        if over < scans {
+            live.sink.send(&Message::Status(chain.rig.counters()));
+            print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
+        }
+        Ok(())
+    });
+    // what has come until a reader went is kept
     if let Some(path) = &arguments.save {
         write_atomic(path, saved.to_text().as_bytes())?;
     }
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.borrow().bytes)?;
     }
-    Ok(())
+    told
 }
 
 /// Returns what the scanner looks at, and where its beams point.
