@@ -19,6 +19,7 @@ pub mod range_image;
 mod ros;
 pub mod scan;
 mod scan_error;
+mod scan_file;
 mod sensors;
 mod streamed;
 mod write;
@@ -32,8 +33,9 @@ pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};
-pub use scan::{CameraOptions, Format, ReadOptions, Scan, ScanFile};
+pub use scan::{CameraOptions, ReadOptions, Scan};
 pub use scan_error::ScanError;
+pub use scan_file::{Format, ScanFile};
 pub use sensors::{SENSORS, Sensor};
 pub use write::{remove_temporaries, write_all_or_none, write_atomic};
 

@@ -2,7 +2,7 @@
 
 mod datagrams;
 mod ip;
-pub mod ld06;
+pub(crate) mod ld06;
 #[cfg(test)]
 mod made_up;
 mod ouster;

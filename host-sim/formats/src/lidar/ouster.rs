@@ -4,8 +4,9 @@
 //! rings' azimuths is their `row_offset_deg`. The axes are those of the lidar (`os_lidar`): x is
 //! where the encoder is at 0, z the axis.
 
+use crate::angles::Angles;
 use crate::beside::Beside;
-use crate::geometry::{Angles, Geometry, Kind};
+use crate::geometry::{Geometry, Kind};
 use crate::lidar::ouster_metadata::{Metadata, Profile};
 use crate::range_image::RangeImage;
 use crate::sensors::Sensor;

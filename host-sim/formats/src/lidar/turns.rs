@@ -4,8 +4,9 @@
 //! into which they look; what is left of it is their `row_offset_deg`. The turn is measured in
 //! hundredths of a degree and is not quite even, so that an azimuth is right to some hundredths.
 
+use crate::angles::Angles;
 use crate::beside::Beside;
-use crate::geometry::{Angles, Geometry, Kind};
+use crate::geometry::{Geometry, Kind};
 use crate::lidar::velodyne::{Firing, Model, firings};
 use crate::noise::Noise;
 use crate::range_image::RangeImage;

@@ -60,7 +60,8 @@ impl Stream for VelodynePackets {
 }
 
 /// Recorded packets against the points that another program (tier4/nebula) made of them.
-#[cfg(all(test, feature = "db3"))]
+#[cfg(test)]
+#[cfg(feature = "db3")]
 mod tests {
     use super::*;
     use std::collections::HashMap;
@@ -68,7 +69,7 @@ mod tests {
 
     use crate::lidar::velodyne::{Firing, firings};
     use crate::ros::db3::Db3Recording;
-    use crate::scan::ScanFile;
+    use crate::scan_file::ScanFile;
 
     fn recorded(name: &str) -> Option<PathBuf> {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/velodyne")).join(name);
