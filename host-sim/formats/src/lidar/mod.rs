@@ -1,6 +1,7 @@
 //! Captures of lidars: Ouster, Velodyne, LDROBOT LD06.
 
 mod datagrams;
+mod firings;
 mod ip;
 pub(crate) mod ld06;
 #[cfg(test)]
@@ -12,6 +13,8 @@ mod turns;
 pub mod velodyne;
 
 pub use datagrams::{Datagram, Datagrams, Flow};
+pub use firings::{FiringRow, FiringRows};
 pub use ouster::{Assembler, Column, OusterFrame, columns};
 pub use ouster_metadata::{Metadata, Profile};
+pub use pcap::read_metadata;
 pub use turns::{Turn, Turns};

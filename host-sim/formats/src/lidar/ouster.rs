@@ -176,6 +176,11 @@ impl Metadata {
             wraps: columns.len() == self.columns,
         });
         geometry.beside = Beside { row_offset_deg: Some(Angles::Listed(offsets)), ..Beside::NONE };
+        (image, self.with_errors(geometry))
+    }
+
+    /// Returns a geometry with what is known of the errors of this sensor.
+    pub(crate) fn with_errors(&self, mut geometry: Geometry) -> Geometry {
         if let Some(sensor) = self.sensor() {
             geometry.range_noise_m = Some(sensor.range_noise_m());
             geometry.noise = sensor.noise();
@@ -183,7 +188,7 @@ impl Metadata {
         if matches!(self.profile, Profile::Headed { coarse: true, .. }) {
             geometry.noise.range_step_m = 0.008;
         }
-        (image, geometry)
+        geometry
     }
 
     /// How much farther from the origin a point lies along a ring's beam than Ouster's count says,

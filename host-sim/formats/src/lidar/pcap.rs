@@ -53,12 +53,16 @@ fn velodyne(path: &Path) -> Result<Option<Model>, Cause> {
     Ok(None)
 }
 
-fn read_metadata(path: &Path) -> Result<Metadata, Cause> {
+/// Reads a file of metadata of an Ouster.
+///
+/// # Errors
+/// What the system says, or [`ScanError::Damaged`]; with the name of the file.
+pub fn read_metadata(path: &Path) -> Result<Metadata, FileError> {
     let read = || -> Result<Metadata, Cause> {
         let bytes = read_at_most(path, MAX_METADATA_BYTES)?;
         Ok(Metadata::parse(&String::from_utf8_lossy(&bytes))?)
     };
-    read().map_err(|cause| FileError::of(path, cause).into())
+    read().map_err(|cause| FileError::of(path, cause))
 }
 
 /// Returns the JSON file beside a capture whose name begins most like its own.

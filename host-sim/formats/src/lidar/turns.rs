@@ -8,9 +8,7 @@ use crate::angles::Angles;
 use crate::beside::Beside;
 use crate::geometry::{Geometry, Kind};
 use crate::lidar::velodyne::{Firing, Model, firings};
-use crate::noise::Noise;
 use crate::range_image::RangeImage;
-use crate::sensors::Sensor;
 
 /// The most firings of a turn: at 300 turns a minute there are 3617.
 const MAX_FIRINGS: usize = 8192;
@@ -111,11 +109,7 @@ impl Turn {
             wraps: self.whole,
         });
         geometry.beside = Beside { row_offset_deg: Some(Angles::Listed(offsets_deg)), ..Beside::NONE };
-        let sensor = Sensor::named("velodyne-vlp16").filter(|_| model != Model::Vlp32c);
-        geometry.range_noise_m = sensor.map(|sensor| sensor.range_noise_m());
-        geometry.noise = sensor.map_or(Noise::NONE, |sensor| sensor.noise());
-        geometry.noise.range_step_m = model.unit_m();
-        (image, geometry)
+        (image, model.with_errors(geometry))
     }
 
     /// Returns what is to be said of it.

@@ -2,7 +2,9 @@
 //!
 //! Axes: x forward, where the encoder is at 0; y left; z up. Velodyne's azimuths go to the right.
 
+use crate::geometry::Geometry;
 use crate::scan_error::ScanError;
+use crate::sensors::Sensor;
 
 /// Bytes of a packet.
 pub const PACKET_BYTES: usize = 1206;
@@ -137,6 +139,16 @@ impl Model {
     /// Metres of a count.
     pub fn unit_m(self) -> f64 {
         if self == Model::Vlp32c { 0.004 } else { 0.002 }
+    }
+
+    /// Returns a geometry with what is known of the errors of this sensor.
+    pub(crate) fn with_errors(self, mut geometry: Geometry) -> Geometry {
+        if let Some(sensor) = Sensor::named("velodyne-vlp16").filter(|_| self != Model::Vlp32c) {
+            geometry.range_noise_m = Some(sensor.range_noise_m());
+            geometry.noise = sensor.noise();
+        }
+        geometry.noise.range_step_m = self.unit_m();
+        geometry
     }
 
     /// The lasers from the top.
