@@ -16,6 +16,7 @@ mod replay;
 mod rig;
 mod scene_set;
 mod segment;
+mod shown;
 
 use std::process::ExitCode;
 
