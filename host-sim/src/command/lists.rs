@@ -55,6 +55,7 @@ pub struct Entry {
     pub last_row: u16,
     pub first_column: u16,
     pub last_column: u16,
+    /// Mean of its points, each of which counts the same.
     pub centroid_m: [f32; 3],
     pub normal: Option<[f32; 3]>,
     pub distance_m: Option<f32>,
@@ -64,7 +65,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    pub fn new(label: u32, segment: &Segment) -> Entry {
+    pub fn new(label: u32, segment: &Segment, centroid_m: [f32; 3]) -> Entry {
         let plane: Option<Plane> = segment.plane();
         Entry {
             label,
@@ -73,7 +74,7 @@ impl Entry {
             last_row: segment.last_row,
             first_column: segment.first_column,
             last_column: segment.last_column,
-            centroid_m: segment.centroid_m(),
+            centroid_m,
             normal: plane.map(|p| p.normal),
             distance_m: plane.map(|p| p.distance_m),
             rms_m: plane.map(|p| p.rms_m),

@@ -1,7 +1,7 @@
 //! `scanseg replay`: what a scanner and its tilt said, through the same code as on a board.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
@@ -11,11 +11,13 @@ use scanseg_formats::{Angles, FileError, Geometry, Kind, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, RecordedScan, Recorder, ScanBeams, SegmentationError};
 
+use crate::command::input::Input;
 use crate::command::messages::LinkOptions;
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, write};
+use crate::command::segment::{ListOptions, segment};
 
 /// Replay what was recorded of a scanner: telegrams to segments, as on a board
 ///
@@ -32,6 +34,10 @@ pub struct Arguments {
     /// says so
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(13..=16), requires = "geometry")]
     range_bits: Option<u32>,
+    /// Folder for the files that scanseg segment writes, in a folder scan-N for scan N; made if it
+    /// is not there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     link: LinkOptions,
     #[command(flatten)]
@@ -52,6 +58,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut memory = OwnedMemory::new(config, columns, arguments.options.max_labels());
     let segmenter =
         AnySegmenter::new(config, beams.beams(), columns, memory.memory()).map_err(|e| refused(e.into()))?;
+    let scans = Rc::default();
+    let segmenter = Recorder::new(segmenter, &scans);
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig =
         Rig::new(capture.settings, capture.limits, segmenter, &mut rows_m).map_err(|e| format!("{name}: {e}"))?;
@@ -66,7 +74,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.bytes)?;
     }
-    print(&host.lines.iter().map(|line| line.clone() + "\n").collect::<String>())
+    print(&host.lines.iter().map(|line| line.clone() + "\n").collect::<String>())?;
+    let Some(out) = &arguments.out else { return Ok(()) };
+    for (number, scan) in (1..).zip(scans.take()) {
+        write_scan(out, number, scan, &geometry, arguments)?;
+    }
+    Ok(())
+}
+
+/// Writes what `scanseg segment` writes of a scan.
+fn write_scan(
+    out: &Path,
+    number: u32,
+    scan: RecordedScan,
+    geometry: &Geometry,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
+    let mut geometry = geometry.clone();
+    if let Kind::Nodding { turn_deg, .. } = &mut geometry.kind {
+        *turn_deg = Angles::Listed(scan.turns_rad.iter().map(|rad| f64::from(*rad).to_degrees()).collect());
+    }
+    let ranges = scan.image();
+    let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
+    let name = format!("{}, scan {number}", arguments.capture.display());
+    let config = arguments.options.config(&geometry)?;
+    let input = Input { name, geometry, ranges, counts };
+    let lists = ListOptions { min_pixels: arguments.link.min_pixels };
+    let (files, _) = segment(&input, config, &arguments.options, &lists)?;
+    let folder = out.join(format!("scan-{number}"));
+    write(&folder, &files)?;
+    print(&format!("look at {}\n", folder.join("overview.png").display()))
 }
 
 /// Reads the capture, or makes one of raw bytes, and the geometry of its scans.

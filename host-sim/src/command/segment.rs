@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
-use scanseg_formats::GreyImage;
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::input::Input;
@@ -45,7 +45,7 @@ pub struct Arguments {
 pub struct ListOptions {
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
-    min_pixels: u32,
+    pub min_pixels: u32,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -81,7 +81,7 @@ pub fn segment(
     bar.finish_and_clear();
 
     let labels = segmentation.numbers(lists.min_pixels);
-    let listing = listing(input, &config, &segmentation, lists.min_pixels);
+    let listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
     let labels_png = labels_png(input, &labels, &listing)?;
     let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
     let shown = Shown { input, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
@@ -135,11 +135,19 @@ fn bearing_images<const N: usize>(
     Ok(images)
 }
 
-fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, min_pixels: u32) -> Listing {
+fn listing(
+    input: &Input,
+    config: &AnyConfig<'_>,
+    segmentation: &Segmentation,
+    labels: &[u32],
+    min_pixels: u32,
+) -> Listing {
     let ranging = config.ranging();
     let listed = segmentation.of_pixels(min_pixels);
     let is_return = |range_m: &&f32| (ranging.min_range_m..=ranging.max_range_m).contains(*range_m);
     let returns = input.ranges.range_m.iter().filter(is_return).count();
+    let centroids_m = centroids_m(&input.ranges, &input.geometry, labels, listed.len());
+    let entries = (1..).zip(listed).zip(centroids_m);
     Listing {
         approach: config.approach(),
         header: Header {
@@ -155,8 +163,23 @@ fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, m
             min_pixels,
             configuration: Configuration::new(config),
         },
-        segments: (1..).zip(listed).map(|(label, segment)| Entry::new(label, segment)).collect(),
+        segments: entries.map(|((label, segment), centroid_m)| Entry::new(label, segment, centroid_m)).collect(),
     }
+}
+
+/// Returns the mean of the points of each label from 1 to `count`.
+fn centroids_m(ranges: &RangeImage, geometry: &Geometry, labels: &[u32], count: usize) -> Vec<[f32; 3]> {
+    let mut sums = vec![([0.0; 3], 0.0); count + 1];
+    for (i, (&label, &range_m)) in labels.iter().zip(&ranges.range_m).enumerate().filter(|(_, (label, _))| **label > 0)
+    {
+        let (sum, points) = &mut sums[label as usize];
+        let direction = geometry.direction(i / ranges.columns, i % ranges.columns);
+        for (sum, along) in sum.iter_mut().zip(direction) {
+            *sum += along * f64::from(range_m);
+        }
+        *points += 1.0;
+    }
+    sums[1..].iter().map(|(sum, points)| sum.map(|sum| (sum / points) as f32)).collect()
 }
 
 /// Returns the image of the segments' labels. Its 16 bits must do for them.
