@@ -102,7 +102,7 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
         names
     };
     for approach in ["--approach plane", "--traces row*4,column*4"] {
-        let options = format!("--geometry geometry.toml {approach} --range-noise-m 0.01 --min-pixels 5 --out");
+        let options = format!("--geometry geometry.toml {approach} --range-noise-m 0.001 --min-pixels 5 --out");
         let text = succeeds(&folder, &format!("replay raw.bin --range-bits 15 {options} replayed"));
         assert!(text.ends_with("look at replayed/scan-1/overview.png\n"), "{text}");
         fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
@@ -132,6 +132,10 @@ fn reset_and_stuck_encoder() {
         "{text}"
     );
     assert!(text.contains("scan 5 over (turned): 200 rows"), "{text}");
+
+    // as many scans as it takes: the encoder would stick while the scanner sets up again
+    let text = succeeds(&folder, "rig --faults reset=3,stuck=6");
+    assert!(text.contains("trouble: scans have stopped") && text.contains(" while the tilt stood"), "{text}");
 }
 
 #[test]

@@ -45,12 +45,13 @@ pub struct Arguments {
     /// Its geometry file (TOML)
     #[arg(long, value_name = "FILE", requires = "scan")]
     geometry: Option<PathBuf>,
-    /// Stop after so many scans; the first begins anywhere in the sweep
+    /// Stop after so many scans, but not before all of --faults has struck; the first begins
+    /// anywhere in the sweep
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
     scans: u32,
     /// What goes wrong: loss=RATE, flip=RATE, insert=RATE of the bytes on the scanner's wires;
     /// reset=SECONDS, when the scanner's power fails; stuck=SECONDS, when its encoder sticks, for a
-    /// second
+    /// second (or, while no row comes, as soon as rows come again); up to 600 s
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_fault)]
     faults: Vec<Fault>,
     /// Write what came from scanner and encoder, for scanseg replay
@@ -104,8 +105,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut screen = Screen::new(&host)?;
     let scans = arguments.scans as usize;
     let save = arguments.save.is_some().then_some(&mut saved);
-    let over = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save)?;
-    if over < scans {
+    let complete = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save)?;
+    if !complete {
         live.sink.send(&Message::Status(chain.rig.counters()));
         print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
     }
@@ -134,27 +135,31 @@ fn surroundings(arguments: &Arguments) -> Result<(Geometry, Ranges), Failure> {
     Ok((geometry, recorded(input)?))
 }
 
-/// Runs the chain until so many scans are over, or none will come any more. Returns how many are
-/// over.
+/// Runs the chain until so many scans are over, and a scan after the last fault, or until none will
+/// come any more. Returns whether they are over.
 fn run_scans<S: Segmenter, R: RigSink>(
-    scans: usize,
+    mut scans: usize,
     chain: &mut Chain<'_, S>,
     mut faults: Faults,
     live: &mut Live<R>,
     screen: &mut Screen<'_>,
     mut save: Option<&mut Capture>,
-) -> Result<usize, Failure> {
+) -> Result<bool, Failure> {
     loop {
         faults.strike(chain);
         let came = chain.step(live);
         if let Some(capture) = &mut save {
             keep(capture, came, chain.phase());
         }
-        let over = screen.print_lines(scans)?;
+        if !faults.are_over() {
+            scans = scans.max(screen.scans_over() + 1);
+        }
+        screen.print_lines(scans)?;
         screen.draw(&live.row, chain);
-        if over >= scans || chain.now_us() > PATIENCE_US * scans as u64 {
+        let complete = screen.scans_over() >= scans;
+        if complete || chain.now_us() > PATIENCE_US * scans as u64 {
             screen.bar.finish_and_clear();
-            return Ok(over);
+            return Ok(complete);
         }
     }
 }
@@ -175,16 +180,20 @@ impl<'a> Screen<'a> {
         Ok(Screen { host, shown: 0, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
     }
 
-    /// Prints what is new, up to the end of the last of so many scans. Returns how many of them are
-    /// over.
-    fn print_lines(&mut self, scans: usize) -> Result<usize, Failure> {
+    /// Returns how many scans are over.
+    fn scans_over(&self) -> usize {
+        self.host.borrow().scan_ends.len()
+    }
+
+    /// Prints what is new, up to the end of the last of so many scans.
+    fn print_lines(&mut self, scans: usize) -> Result<(), Failure> {
         let host = self.host.borrow();
         let end = host.scan_ends.get(scans - 1).copied().unwrap_or(host.lines.len());
         for line in &host.lines[self.shown..end] {
             self.bar.suspend(|| print(&format!("{line}\n")))?;
         }
         self.shown = end;
-        Ok(host.scan_ends.len().min(scans))
+        Ok(())
     }
 
     /// Draws the last row, in real time. Does nothing where nobody looks.
