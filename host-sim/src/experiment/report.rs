@@ -73,17 +73,17 @@ fn summary(results: &Results) -> String {
             format!("{} {}", in_words(count), if count == 1 { verdict.words() } else { verdict.words_of_many() })
         })
         .collect();
+    let found_at = TABLE_TOLERANCES[0];
     format!(
         "<p>This page repeats the experiment of the paper on {} simulated offices. A simulated scanner looks at each of them \
          without noise in its ranges, and with {} millimetres of noise. Then {} methods divide each scan into flat \
          regions.</p>\n\
-         <p>{methods}A region counts as found if one segment covers at least {} percent of it, and lies on it with at least \
-         as much of its own area.</p>\n\
+         <p>{methods}A region counts as found if a segment covers at least {found_at} percent of it, and at least {found_at} percent of the \
+         segment lie on it.</p>\n\
          <p>Of the {} claims of the paper that are judged here, {}.</p>",
         results.scenes,
         listed(&noises),
         in_words(results.methods.len()),
-        TABLE_TOLERANCES[0],
         in_words(verdicts.len()),
         listed(&judged),
     )
