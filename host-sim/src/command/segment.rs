@@ -6,6 +6,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
+use scanseg_sim::point_cloud::point_m;
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::input::Input;
@@ -14,6 +15,7 @@ use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
 use crate::command::shown::Shown;
+use crate::command::{planes, warnings};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
@@ -28,7 +30,7 @@ const LONG_SCAN: usize = 1_000_000;
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Folder for the results; made if it is not there
@@ -51,14 +53,13 @@ pub struct ListOptions {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
-    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a range image. Returns the files to write, and what to print. Warns of a noise that
-/// does not fit.
+/// Segments a range image. Returns the files to write, and what to print. Warns of what looks
+/// wrong.
 pub fn segment(
     input: &Input,
     config: AnyConfig<'_>,
@@ -99,9 +100,12 @@ pub fn segment(
     files.push(("segments.json", listing.json()?));
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
     let stated = options.states_noise(&input.geometry);
-    noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
+    let mut all = warnings::of_scan(input, &config, stated);
+    all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
+    all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
-    let summary = format!("{table}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
+    let summary = format!("{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.into_iter().map(|(name, bytes)| (name.to_string(), bytes)).collect(), summary))
 }
 
@@ -173,10 +177,8 @@ fn centroids_m(ranges: &RangeImage, geometry: &Geometry, labels: &[u32], count: 
     for (i, (&label, &range_m)) in labels.iter().zip(&ranges.range_m).enumerate().filter(|(_, (label, _))| **label > 0)
     {
         let (sum, points) = &mut sums[label as usize];
-        let direction = geometry.direction(i / ranges.columns, i % ranges.columns);
-        for (sum, along) in sum.iter_mut().zip(direction) {
-            *sum += along * f64::from(range_m);
-        }
+        let point_m = point_m(geometry, i / ranges.columns, i % ranges.columns, range_m);
+        sum.iter_mut().zip(point_m).for_each(|(sum, metres)| *sum += metres);
         *points += 1.0;
     }
     sums[1..].iter().map(|(sum, points)| sum.map(|sum| (sum / points) as f32)).collect()

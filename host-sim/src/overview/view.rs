@@ -17,20 +17,46 @@ pub struct View {
 
 impl View {
     /// Returns the view in which up (positive z) is up and left (positive y) is left. The geometry
-    /// must fit the image.
+    /// must fit the image. Where pixels may have any beams, rows become columns if z changes more
+    /// along rows than along columns.
     pub fn of(geometry: &Geometry, rows: usize, columns: usize) -> View {
-        let transpose = matches!(geometry.kind, Kind::Nodding { turn_axis: TurnAxis::Z, .. });
-        let (height, width) = if transpose { (columns, rows) } else { (rows, columns) };
-        let direction = |y, x| if transpose { geometry.direction(x, y) } else { geometry.direction(y, x) };
-        let flip = direction(0, width / 2)[2] < direction(height - 1, width / 2)[2];
-        // Seen from above, beams that go round to the left turn with x towards y.
-        let turn = |x| {
-            let (a, b) = (direction(height / 2, x), direction(height / 2, x + 1));
-            a[0] * b[1] - a[1] * b[0]
+        let across = match geometry.kind {
+            Kind::Nodding { turn_axis, .. } => turn_axis == TurnAxis::Z,
+            Kind::Spinning { .. } | Kind::Pinhole { .. } => false,
+            Kind::Free { .. } => {
+                let climb = |pixels: Vec<[f64; 3]>| pixels.windows(2).map(|p| (p[1][2] - p[0][2]).abs()).sum::<f64>();
+                let along = some(rows).map(|row| climb(beams(geometry, (0..columns).map(|c| (row, c)))));
+                let down = some(columns).map(|column| climb(beams(geometry, (0..rows).map(|r| (r, column)))));
+                along.sum::<f64>() * rows as f64 > down.sum::<f64>() * columns as f64
+            }
         };
-        let mirror = (0..width - 1).map(turn).sum::<f64>() > 0.0;
-        View { transpose, flip, mirror }
+        let (height, width) = if across { (columns, rows) } else { (rows, columns) };
+        let pixel = |y, x| if across { (x, y) } else { (y, x) };
+        let rises = |x| {
+            let column = beams(geometry, (0..height).map(|y| pixel(y, x)));
+            column.first().zip(column.last()).map_or(0.0, |(first, last)| last[2] - first[2])
+        };
+        // Seen from above, beams that go round to the left turn with x towards y.
+        let turns = |y| {
+            let row = beams(geometry, (0..width).map(|x| pixel(y, x)));
+            row.windows(2).map(|pair| pair[0][0] * pair[1][1] - pair[0][1] * pair[1][0]).sum::<f64>()
+        };
+        let flip = some(width).map(rises).sum::<f64>() > 0.0;
+        let mirror = some(height).map(turns).sum::<f64>() > 0.0;
+        View { transpose: across, flip, mirror }
     }
+}
+
+/// Returns some of so many rows or columns, evenly apart.
+fn some(count: usize) -> impl Iterator<Item = usize> {
+    const MOST: usize = 16;
+    (0..count.min(MOST)).map(move |i| (2 * i + 1) * count / (2 * count.min(MOST)))
+}
+
+/// Returns the beams of pixels, where they have one.
+fn beams(geometry: &Geometry, pixels: impl Iterator<Item = (usize, usize)>) -> Vec<[f64; 3]> {
+    let directions = pixels.map(|(row, column)| geometry.direction(row, column));
+    directions.filter(|d| (0.9..1.1).contains(&d.iter().map(|x| x * x).sum::<f64>())).collect()
 }
 
 /// A side is not made shorter than this, pixels, for the sake of the other.
@@ -91,19 +117,10 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scanseg_formats::{Angles, Depth, Noise};
+    use scanseg_formats::{Angles, Depth};
 
     fn view(kind: Kind) -> (bool, bool, bool) {
-        let none = None;
-        let geometry = Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: none,
-            max_range_m: none,
-            range_noise_m: none,
-            noise: Noise::NONE,
-            kind,
-        };
+        let geometry = Geometry::of(kind);
         let View { transpose, flip, mirror } = View::of(&geometry, 20, 30);
         (transpose, flip, mirror)
     }
@@ -127,6 +144,29 @@ mod tests {
         let pinhole = |fx, fy| view(Kind::Pinhole { fx_px: fx, fy_px: fy, cx_px: 15.0, cy_px: 10.0, depth: Depth::Z });
         assert_eq!(pinhole(30.0, 30.0), (false, false, false));
         assert_eq!(pinhole(-30.0, -30.0), (false, true, true));
+    }
+
+    /// Beams pixel by pixel are seen as the same beams by a formula, missing ones too.
+    #[test]
+    fn any_beams_are_turned_like_others() {
+        let spinning = |azimuth: (f64, f64), elevation: (f64, f64)| {
+            let (azimuth_deg, elevation_deg) = (even(azimuth.0, azimuth.1), even(elevation.0, elevation.1));
+            Geometry::of(Kind::Spinning { azimuth_deg, elevation_deg, wraps: false })
+        };
+        for (azimuth, elevation) in [((60.0, -4.0), (10.0, -1.0)), ((-60.0, 4.0), (-10.0, 1.0))] {
+            let by_formula = spinning(azimuth, elevation);
+            let of = |i: usize, row: usize, column: usize| match i % 7 {
+                0 => [f32::NAN; 3],
+                1 => [0.0; 3],
+                _ => by_formula.direction(row, column).map(|x| x as f32),
+            };
+            let upright = (0..600).map(|i| of(i, i / 30, i % 30)).collect();
+            let lying = (0..600).map(|i| of(i, i % 20, i / 20)).collect();
+            let free = |directions, columns| Geometry::of(Kind::Free { directions, columns, wraps: false });
+            let expected = View::of(&by_formula, 20, 30);
+            assert_eq!(View::of(&free(upright, 30), 20, 30), expected);
+            assert_eq!(View::of(&free(lying, 20), 30, 20), View { transpose: true, ..expected });
+        }
     }
 
     #[test]

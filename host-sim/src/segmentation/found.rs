@@ -68,20 +68,11 @@ mod tests {
     use super::*;
     use crate::segmentation::Segmentation;
     use scanseg_core::EdgeConfig;
-    use scanseg_formats::{Depth, Geometry, Kind, Noise, RangeImage};
+    use scanseg_formats::{Depth, Geometry, Kind, RangeImage};
 
     fn segment() -> Segment {
         let kind = Kind::Pinhole { fx_px: 100.0, fy_px: 100.0, cx_px: 1.0, cy_px: 1.0, depth: Depth::Range };
-        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-        let geometry = Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m,
-            max_range_m,
-            range_noise_m,
-            noise: Noise::NONE,
-            kind,
-        };
+        let geometry = Geometry::of(kind);
         let scan = RangeImage { rows: 1, columns: 1, range_m: vec![2.0] };
         Segmentation::of(&scan, &geometry, EdgeConfig::paper(), None, || ()).unwrap().segments[0]
     }

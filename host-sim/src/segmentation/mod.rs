@@ -15,7 +15,7 @@ mod whole;
 pub use beams::ScanBeams;
 pub use bearing::bearing_image;
 pub use error::{SegmentationError, check_size};
-pub use memory::OwnedMemory;
+pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
 pub use ranging::ranging;
 pub use recorder::{RecordedScan, Recorder};

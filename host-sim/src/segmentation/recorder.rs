@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use scanseg_core::{Finished, PushError, Segmenter, Sink, Status};
+use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_formats::RangeImage;
 
-/// A scan as it was pushed.
+/// A scan as it was pushed; of what lies beside the turn of a row nothing is kept.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordedScan {
     /// Ranges in metres, row by row; 0 without a return.
@@ -38,19 +38,20 @@ impl<S> Recorder<S> {
 }
 
 impl<S: Segmenter> Segmenter for Recorder<S> {
-    fn push_row<T: Sink + ?Sized>(
+    fn push_row<'r, T: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut T,
     ) -> Result<Status, PushError> {
-        let status = self.segmenter.push_row(ranges_m, turn_rad, sink)?;
+        let beams = beams.into();
+        let status = self.segmenter.push_row(ranges_m, beams, sink)?;
         if status == Status::Stopped {
             self.scan = RecordedScan::default();
         } else {
             let is_return = |range_m: f32| range_m > 0.0 && range_m.is_finite();
             self.scan.range_m.extend(ranges_m.iter().map(|&range_m| if is_return(range_m) { range_m } else { 0.0 }));
-            self.scan.turns_rad.push(turn_rad);
+            self.scan.turns_rad.push(beams.turn_rad);
         }
         Ok(status)
     }

@@ -61,9 +61,9 @@ impl Segmentation {
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         let (begun, mut core_time) = (Instant::now(), Duration::ZERO);
         let mut apart = Apart::new(&mut collected, || begun.elapsed());
-        for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
+        for (row, row_m) in scan.range_m.chunks(scan.columns).enumerate() {
             let pushed = Instant::now();
-            segmenter.push_row(row_m, row_rad, &mut apart)?;
+            segmenter.push_row(row_m, beams.row(row), &mut apart)?;
             core_time += pushed.elapsed();
             row_done();
         }
@@ -171,11 +171,10 @@ impl Sink for Collected {
 mod tests {
     use super::*;
     use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_ROWS, TurnAxis};
-    use scanseg_formats::{Angles, Depth, Kind, Noise};
+    use scanseg_formats::{Angles, Depth, Kind};
 
     fn geometry(kind: Kind) -> Geometry {
-        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, noise: Noise::NONE, kind }
+        Geometry::of(kind)
     }
 
     fn camera() -> Geometry {
