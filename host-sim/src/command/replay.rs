@@ -84,8 +84,7 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
             let geometry = Geometry::read(path)?;
-            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| file_error(e.into()))?;
-            Ok((capture, geometry))
+            Ok(Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| file_error(e.into()))?)
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),
     }
