@@ -33,6 +33,10 @@ others=$(grep -v '^scanseg_' <<<"$names" || true)
 [ -n "$names" ] && [ -z "$others" ] || { echo "exported: $others"; exit 1; }
 wanted=$(nm -u "$lib/libscanseg.a" | awk '$1 == "U" { print $2 }' | sort | tr '\n' ' ')
 [ "$wanted" = "memcpy memset " ] || { echo "wanted from C: $wanted"; exit 1; }
+if [ "$(uname)" = Linux ]; then
+    dynamic=$(nm -D --defined-only "$lib/libscanseg.so" | awk '{ print $3 }' | sort)
+    [ "$dynamic" = "$(sort <<<"$names")" ] || { echo "exported by libscanseg.so: $dynamic"; exit 1; }
+fi
 echo "exported: $(wc -l <<<"$names") functions scanseg_*; wanted from C: $wanted"
 
 c="-std=c99 -g -O1 -Wall -Wextra -pedantic -Werror"
@@ -50,6 +54,7 @@ for cc in gcc clang; do
         # shellcheck disable=SC2086
         {
             quiet $cc $c $sanitize -I"$capi/include" "$capi/tests/smoke.c" "$lib/libscanseg.a" -o smoke-$cc$kind
+            quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/wall.c" "$lib/libscanseg.a" -lm -o wall-$cc$kind
             quiet $cc $c $sanitize -I"$capi/include" "$capi/examples/segment_pgm.c" "$lib/libscanseg.a" -lm \
                 -o segment_pgm-$cc$kind
             quiet ${cc/gcc/g}++ $cxx $sanitize -I"$capi/include" "$capi/examples/organised_cloud.cpp" \
@@ -57,9 +62,10 @@ for cc in gcc clang; do
             quiet ${cc/gcc/g}++ ${cxx/-fno-exceptions -fno-rtti/-DSCANSEG_EXCEPTIONS} $sanitize -I"$capi/include" \
                 "$capi/tests/smoke.cpp" "$lib/libscanseg.a" -o smoke_cpp-$cc$kind
         }
-        for program in smoke smoke_cpp organised_cloud; do
+        for program in smoke smoke_cpp organised_cloud wall; do
             quiet "./$program-$cc$kind"
         done
+        [[ $(cat log) = "10860 pixels, 2.000 m away, normal -1.000"* ]] || { cat log; echo "not the wall"; exit 1; }
     done
     built=$((built + 1))
     echo "$cc: built without warnings; runs${kinds[1]+, also with AddressSanitizer}"
@@ -85,12 +91,22 @@ if have cmake && have g++; then
     quiet cmake -S "$capi/examples" -B examples -DCMAKE_PREFIX_PATH="$prefix"
     quiet cmake --build examples
     quiet examples/organised_cloud
-    echo "find_package(scanseg): found, linked, runs"
+    shared() { ldd "$1" | grep -q "libscanseg.so.[0-9]* => $prefix/"; }
+    if [ "$(uname)" = Linux ]; then
+        quiet examples/organised_cloud_shared
+        shared examples/organised_cloud_shared || { echo "scanseg::shared is not used"; exit 1; }
+        ! shared examples/organised_cloud || { echo "scanseg::scanseg is not static"; exit 1; }
+    fi
+    echo "find_package(scanseg): found, linked, runs, static and shared"
     if have pkg-config && have make; then
         mkdir make
         cp "$capi"/examples/{Makefile,*.c,*.cpp} make
-        PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name scanseg.pc)") quiet make -C make
+        pc=$(dirname "$(find "$prefix" -name scanseg.pc)")
+        PKG_CONFIG_PATH=$pc quiet make -C make
+        export LD_LIBRARY_PATH=${pc%/pkgconfig}
         quiet make/organised_cloud
+        [ "$(uname)" != Linux ] || shared make/organised_cloud || { echo "pkg-config: not the shared library"; exit 1; }
+        unset LD_LIBRARY_PATH
         echo "pkg-config and make: found, linked, runs"
     else
         echo "skipped: pkg-config or make is not here"

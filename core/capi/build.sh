@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the library for C into a folder: libscanseg.a, and where there is an operating system libscanseg.so.
+# Builds the library for C into a folder: libscanseg.a, and on Linux libscanseg.so, a link to libscanseg.so.N of the ABI version N.
 #
 #     build.sh OUT [TARGET] [CPU]     TARGET: a Rust target such as thumbv7em-none-eabihf; CPU: as of rustc's target-cpu
 #
@@ -13,6 +13,7 @@ cpu=${3:-generic}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 cd "$(dirname "$0")"
+abi=$(sed -n 's/^#define SCANSEG_ABI_VERSION //p' include/scanseg.h)
 host=$(rustc -vV | sed -n 's/^host: //p')
 target=${target:-$host}
 [ "$cpu" = generic ] && flags="" || flags="-Ctarget-cpu=$cpu"
@@ -23,9 +24,11 @@ profile=()
 for setting in 'inherits="release"' 'panic="abort"' 'lto="fat"' 'codegen-units=1' 'debug=false'; do
     profile+=(--config "profile.capi.$setting")
 done
-build() { # crate type
+build() { # crate type, what rustc is told beside
+    local types=$1
+    shift
     RUSTFLAGS=$flags cargo rustc --quiet "${profile[@]}" --profile capi --package scanseg-capi --no-default-features \
-        --crate-type "$1" --target "$target" --target-dir "$out/cargo"
+        --crate-type "$types" --target "$target" --target-dir "$out/cargo" -- "$@"
 }
 case $target in
 *-none-*)
@@ -33,12 +36,18 @@ case $target in
     cp "$built/libscanseg_capi.a" "$out/libscanseg.a"
     ;;
 *)
-    build staticlib,cdylib
+    case $target in
+    *-linux-*) build staticlib,cdylib -C "link-arg=-Wl,-soname,libscanseg.so.$abi" ;;
+    *) build staticlib ;;
+    esac
     # without the compiler's arithmetic, which C's linker has: it would get between a program and its libm
     rm -rf "$out/objects" "$out/libscanseg.a"
     mkdir "$out/objects"
     (cd "$out/objects" && ar x "$built/libscanseg_capi.a" && ar rcs "$out/libscanseg.a" scanseg_capi*.o)
     rm -rf "$out/objects"
-    [ ! -f "$built/libscanseg_capi.so" ] || cp "$built/libscanseg_capi.so" "$out/libscanseg.so"
+    if [ -f "$built/libscanseg_capi.so" ]; then
+        cp "$built/libscanseg_capi.so" "$out/libscanseg.so.$abi"
+        ln -sf "libscanseg.so.$abi" "$out/libscanseg.so"
+    fi
     ;;
 esac

@@ -7,6 +7,7 @@ use crate::error::{ConfigError, PushError};
 use crate::memory::{Memory, Sizes};
 use crate::plane::{PlaneConfig, PlaneSegmenter};
 use crate::region::{RegionConfig, RegionSegmenter};
+use crate::row_beams::RowBeams;
 use crate::scan::{Finished, Segmenter, Status};
 use crate::sink::Sink;
 
@@ -67,6 +68,16 @@ impl AnyConfig<'_> {
         }
     }
 
+    /// The memory that images of `columns` columns with these beams need: as [`AnyConfig::sizes`],
+    /// but by edges with [`Beams::Free`] more.
+    #[must_use]
+    pub const fn sizes_for(&self, beams: &Beams, columns: usize) -> Sizes {
+        match self {
+            AnyConfig::Edge(config) => config.sizes_for(beams, columns),
+            _ => self.sizes(columns),
+        }
+    }
+
     /// The memory that images of `columns` columns need with a table of so many areas.
     #[must_use]
     pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
@@ -98,6 +109,7 @@ impl From<RegionConfig> for AnyConfig<'_> {
 
 /// A segmenter of any approach, chosen at run time. As large as the largest of them.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the largest one on
 pub enum AnySegmenter<'a> {
     /// By planes.
     Plane(PlaneSegmenter<'a>),
@@ -129,16 +141,16 @@ impl<'a> AnySegmenter<'a> {
 }
 
 impl Segmenter for AnySegmenter<'_> {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError> {
         match self {
-            Self::Plane(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
-            Self::Edge(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
-            Self::Region(segmenter) => segmenter.push_row(ranges_m, turn_rad, sink),
+            Self::Plane(segmenter) => segmenter.push_row(ranges_m, beams, sink),
+            Self::Edge(segmenter) => segmenter.push_row(ranges_m, beams, sink),
+            Self::Region(segmenter) => segmenter.push_row(ranges_m, beams, sink),
         }
     }
 

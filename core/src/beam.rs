@@ -18,6 +18,32 @@ pub enum Columns<'a> {
     /// One angle per column, each within +-2 pi. Costs a sine and a cosine per pixel, which
     /// [`Columns::Even`] does not.
     Listed(&'a [f32]),
+    /// The same for a nodding scanner whose lasers look beside the plane of the row, as the columns
+    /// of a spinning lidar whose rows are its firings. Costs two sines and cosines per pixel.
+    Beside {
+        /// One angle per column, each within +-2 pi.
+        angles_rad: &'a [f32],
+        /// How much more than its row each column is turned, within +-pi / 2.
+        turns_rad: &'a [f32],
+    },
+}
+
+impl Columns<'_> {
+    /// The angles that are listed.
+    pub(crate) fn listed(&self) -> &[f32] {
+        match self {
+            Columns::Even { .. } => &[],
+            Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => list,
+        }
+    }
+
+    /// How much more than its row a column is turned, radians.
+    pub(crate) fn turn_rad(&self, column: usize) -> f32 {
+        match self {
+            Columns::Beside { turns_rad, .. } => turns_rad.get(column).copied().unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
 }
 
 /// The axis about which a nodding scanner turns. It lies in the scan plane, at beam angles +-90
@@ -65,6 +91,12 @@ pub enum Beams<'a> {
         /// Row of the optical axis.
         cy_px: f32,
     },
+    /// Any beams: each row brings [`RowBeams::directions`](crate::RowBeams::directions). Takes some
+    /// two times as long as the other kinds, so take one of those where the beams are so arranged.
+    Free {
+        /// Whether the last column neighbours the first.
+        wraps: bool,
+    },
 }
 
 impl Beams<'_> {
@@ -75,24 +107,29 @@ impl Beams<'_> {
         if count == 0 || count > MAX_COLUMNS {
             return Err(ConfigError::Count { field: "columns", value: count as i32 });
         }
+        let listed = |field, list: &[f32], most: f32| {
+            if list.len() != count {
+                return Err(ConfigError::Listed { columns: count, got: list.len() });
+            }
+            list.iter().find(|&a| !(-most..=most).contains(a)).map_or(Ok(()), |&a| value(field, a))
+        };
         let angles = |columns: &Columns| match *columns {
             Columns::Even { start_rad, .. } if !(-TAU..=TAU).contains(&start_rad) => value("start_rad", start_rad),
             Columns::Even { step_rad, .. } if step_rad == 0.0 || !(-FRAC_PI_2..=FRAC_PI_2).contains(&step_rad) => {
                 value("step_rad", step_rad)
             }
             Columns::Even { .. } => Ok(()),
-            Columns::Listed(list) if list.len() != count => {
-                Err(ConfigError::Listed { columns: count, got: list.len() })
-            }
-            Columns::Listed(list) => match list.iter().find(|&a| !(-TAU..=TAU).contains(a)) {
-                Some(&a) => value("columns", a),
-                None => Ok(()),
-            },
+            Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => listed("columns", list, TAU),
+        };
+        let turns = |columns: &Columns, most: f32| match *columns {
+            Columns::Beside { turns_rad, .. } => listed("turns_rad", turns_rad, most),
+            _ => Ok(()),
         };
         match self {
-            Beams::Nodding { columns, .. } => angles(columns),
+            Beams::Nodding { columns, .. } => angles(columns).and_then(|()| turns(columns, FRAC_PI_2)),
             Beams::Spinning { columns, wraps } => {
-                angles(columns)?;
+                // columns of a spinning scanner do not turn
+                angles(columns).and_then(|()| turns(columns, 0.0))?;
                 match *columns {
                     // the angle across the seam is that of any other pair of neighbours, to 1 % of
                     // it
@@ -119,6 +156,7 @@ impl Beams<'_> {
                 }
                 Ok(())
             }
+            Beams::Free { .. } => Ok(()),
         }
     }
 }

@@ -61,17 +61,29 @@ impl core::error::Error for ConfigError {}
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PushError {
-    /// The row does not have one range per column.
+    /// The row does not have one range per column, or not one direction.
     RowLength {
         /// Columns of the image.
         expected: usize,
-        /// Ranges in the row.
+        /// Ranges in the row, or directions.
         got: usize,
     },
-    /// The turn angle is NaN or infinite, or beyond 1000 turns.
+    /// The turn angle is NaN or infinite, or beyond 6300 rad.
     TurnAngle {
         /// What was given, radians.
         turn_rad: f32,
+    },
+    /// A number of [`RowBeams`](crate::RowBeams) is NaN, infinite or outside of its range.
+    RowBeams {
+        /// The field.
+        field: &'static str,
+        /// What was given.
+        value: f32,
+    },
+    /// The direction of a return is no unit vector, to 0.5 %.
+    Direction {
+        /// The first such column.
+        column: usize,
     },
     /// The scan already has the most rows that a scan may have: call `finish`.
     TooManyRows {
@@ -83,8 +95,10 @@ pub enum PushError {
 impl fmt::Display for PushError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            PushError::RowLength { expected, got } => write!(f, "row of {got} ranges, expected {expected}"),
+            PushError::RowLength { expected, got } => write!(f, "row of {got} columns, expected {expected}"),
             PushError::TurnAngle { turn_rad } => write!(f, "turn angle cannot be {turn_rad}"),
+            PushError::RowBeams { field, value } => write!(f, "{field} of a row cannot be {value}"),
+            PushError::Direction { column } => write!(f, "the direction of column {column} is no unit vector"),
             PushError::TooManyRows { max_rows } => write!(f, "more than {max_rows} rows in one scan"),
         }
     }

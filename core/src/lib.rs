@@ -14,6 +14,12 @@
 //! [`AnySegmenter`] is any of them, chosen at run time. All work in a [`Memory`] that the user
 //! places, made by [`buffers!`]. A [`Sink`] takes the results.
 //!
+//! # Example
+//! ```
+#![doc = include_str!("../examples/wall.rs")]
+//! ```
+//!
+//! # Stages
 //! ```text
 //! a row of ranges and its turn angle
 //!
@@ -65,6 +71,7 @@ mod plane;
 mod plane_fit;
 mod region;
 mod row;
+mod row_beams;
 mod scan;
 mod segment;
 mod sensors;
@@ -85,6 +92,7 @@ pub use moments::{Moments, POINT_UNIT_M};
 pub use plane::{PlaneConfig, PlaneSegmenter, Rules};
 pub use plane_fit::Plane;
 pub use region::{RegionConfig, RegionSegmenter};
+pub use row_beams::{ColumnTurns, RowBeams};
 pub use scan::{Finished, MAX_LATENCY_ROWS, MAX_ROWS, Segmenter, Status};
 pub use segment::{Join, Label, Segment, SegmentSums};
 pub use sink::{EdgeRow, LabelRow, Pixel, Sink};

@@ -117,14 +117,28 @@ impl<const N: usize, const H: usize, const W: usize, const A: usize> Buffers<N, 
 /// The type of the [`Buffers`] for an image of so many columns, and with a third argument so many
 /// live areas. The numbers and the configuration, of any approach, must be constants.
 ///
+/// On a microcontroller the buffers are a static, here by the crate `static_cell`, which gives them
+/// out once:
+///
 /// ```
-/// use scanseg_core::{PlaneConfig, Ranging, buffers};
+/// use scanseg_core::{Beams, Columns, PlaneConfig, PlaneSegmenter, Ranging, TurnAxis, buffers};
+/// use static_cell::ConstStaticCell;
+///
+/// const COLUMNS: usize = 181;
 /// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
-/// // on a microcontroller: a `static`
-/// let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
-/// let memory = buffers.memory();
-/// assert!(CONFIG.sizes(181).bytes() <= 14_000);
+/// type SegmenterBuffers = buffers!(COLUMNS, CONFIG);
+/// static BUFFERS: ConstStaticCell<SegmenterBuffers> = ConstStaticCell::new(SegmenterBuffers::EMPTY);
+///
+/// fn main() {
+///     let columns = Columns::Even { start_rad: -1.57, step_rad: 0.01745 };
+///     let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
+///     let buffers: &'static mut SegmenterBuffers = BUFFERS.take();
+///     let segmenter = PlaneSegmenter::new(CONFIG, beams, COLUMNS, buffers.memory());
+///     println!("{} bytes, {:?}", size_of::<SegmenterBuffers>(), segmenter);
+/// }
 /// ```
+///
+/// Elsewhere a variable does: `let mut buffers = <buffers!(COLUMNS, CONFIG)>::EMPTY;`.
 #[macro_export]
 macro_rules! buffers {
     ($columns:expr, $config:expr) => {

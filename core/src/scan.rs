@@ -3,7 +3,10 @@
 
 use core::ops::ControlFlow;
 
+use crate::config::Ranging;
 use crate::error::PushError;
+use crate::row::fan::{Fan, RowBeam};
+use crate::row_beams::RowBeams;
 use crate::sink::Sink;
 
 /// The most rows of a scan.
@@ -18,19 +21,20 @@ pub const MAX_LATENCY_ROWS: usize = 3;
 /// Nothing allocates, blocks or panics. After [`Segmenter::finish`], [`Segmenter::reset`], or a
 /// sink that breaks off, the next row pushed is the first of a new scan.
 pub trait Segmenter {
-    /// Takes the next row: one range per column in metres, and the row's turn angle (nodding) or
-    /// elevation (spinning) in radians; pinhole beams do not use it. NaN, infinite and non-positive
-    /// ranges, and those outside of the configured limits, are pixels without a return.
+    /// Takes the next row: one range per column in metres, and where its beams point: most often
+    /// just the row's turn angle (nodding) or elevation (spinning) in radians; pinhole beams do not
+    /// use it. NaN, infinite and non-positive ranges, and those outside of the configured limits,
+    /// are pixels without a return.
     ///
     /// Gives the sink the labels of the row [`Segmenter::latency_rows`] earlier, and the joins and
     /// segments that it brings.
     ///
     /// # Errors
     /// [`PushError`]: the row was not taken and the segmenter is as it was before.
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError>;
 
@@ -86,20 +90,23 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Takes note of the next row of an image of `columns` columns. Returns its number.
-    pub fn begin_row(&mut self, ranges_m: &[f32], turn_rad: f32, columns: usize) -> Result<usize, PushError> {
+    /// Takes note of the next row of an image of `columns` columns. Returns its number and beams.
+    pub fn begin_row<'r>(
+        &mut self,
+        ranges_m: &[f32],
+        beams: RowBeams<'r>,
+        columns: usize,
+        (fan, ranging): (&Fan, &Ranging),
+    ) -> Result<RowBeam<'r>, PushError> {
         if ranges_m.len() != columns {
             return Err(PushError::RowLength { expected: columns, got: ranges_m.len() });
         }
-        // turn angles of 1000 turns still have a resolution of 0.03 deg; NaN is not within
-        if !(-6300.0..=6300.0).contains(&turn_rad) {
-            return Err(PushError::TurnAngle { turn_rad });
-        }
+        beams.check(&fan.beams, ranging, ranges_m)?;
         if self.rows == MAX_ROWS {
             return Err(PushError::TooManyRows { max_rows: MAX_ROWS });
         }
         self.rows += 1;
-        Ok(self.rows - 1)
+        Ok(RowBeam { row: self.rows - 1, beams })
     }
 
     /// Counts the unlabelled pixels of a row that was given out.

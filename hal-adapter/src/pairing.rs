@@ -24,6 +24,8 @@
 
 use core::f32::consts::{PI, TAU};
 
+use scanseg_core::{ColumnTurns, RowBeams};
+
 use crate::latch::Latch;
 use crate::lms2xx::{ScanLine, Settings, Variant};
 
@@ -235,6 +237,19 @@ impl RowTurn {
         self.rate_rad_per_us * (self.age_us - self.ages.age_us(column))
     }
 
+    /// Returns the beams of the row, each at its own turn angle.
+    #[must_use]
+    pub fn beams(&self) -> RowBeams<'static> {
+        let Self { rate_rad_per_us, ages, .. } = *self;
+        let set_rad = rate_rad_per_us * MIRROR_TURN_US;
+        let step_rad = set_rad * f32::from(ages.step_quarters) / 1440.0;
+        let turns = ColumnTurns { step_rad, sets: ages.turn_mask as u8 + 1, set_rad };
+        // sets are counted from the first column, which may not be of the first
+        let turns = if ages.first_column & ages.turn_mask == 0 { turns } else { ColumnTurns::NONE };
+        let turn_rad = if turns == ColumnTurns::NONE { self.turn_rad } else { self.beam_turn_rad(0) };
+        RowBeams::from(turn_rad).with_column_turns(turns)
+    }
+
     /// Returns the turn angle of this column, radians: that of the row plus the drift.
     #[must_use]
     pub fn beam_turn_rad(&self, column: u16) -> f32 {
@@ -244,7 +259,8 @@ impl RowTurn {
 
 /// Returns the angle reduced to -pi to pi.
 pub(crate) fn shorter_way(mut turn_rad: f32) -> f32 {
-    turn_rad %= TAU;
+    // without the remainder of floats, which takes 650 bytes of flash
+    turn_rad -= TAU * (turn_rad / TAU) as i32 as f32;
     if turn_rad > PI {
         turn_rad -= TAU;
     } else if turn_rad < -PI {

@@ -4,7 +4,8 @@
 use core::ops::ControlFlow;
 
 use scanseg_core::{
-    EdgeConfig, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status, buffers,
+    EdgeConfig, EdgeRow, EdgeSegmenter, Finished, Join, LabelRow, PushError, RowBeams, Segment, Segmenter, Sink,
+    Status, buffers,
 };
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{
@@ -29,7 +30,12 @@ const LIMITS: TiltLimits =
 struct Stops(usize);
 
 impl Segmenter for Stops {
-    fn push_row<S: Sink + ?Sized>(&mut self, _: &[f32], _: f32, _: &mut S) -> Result<Status, PushError> {
+    fn push_row<'r, S: Sink + ?Sized>(
+        &mut self,
+        _: &[f32],
+        _: impl Into<RowBeams<'r>>,
+        _: &mut S,
+    ) -> Result<Status, PushError> {
         self.0 += 1;
         Ok(if self.0 < 2 { Status::Buffered } else { Status::Stopped })
     }

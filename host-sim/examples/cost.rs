@@ -15,8 +15,8 @@ use std::ops::ControlFlow;
 use std::{env, error, fs};
 
 use scanseg_core::{
-    AnyConfig, AnySegmenter, Beams, Columns, EdgeConfig, LabelRow, PlaneConfig, Ranging, RegionConfig, Segment,
-    Segmenter, Sink, TurnAxis,
+    AnyConfig, AnySegmenter, Beams, Columns, EdgeConfig, LabelRow, PlaneConfig, Ranging, RegionConfig, RowBeams,
+    Segment, Segmenter, Sink, TurnAxis,
 };
 use scanseg_formats::{Angles, Geometry, GreyImage, Kind, RangeImage};
 use scanseg_sim::office::{Scene, Sensor, Set};
@@ -137,8 +137,8 @@ fn run(file: &str, kind: &str, config: AnyConfig<'_>, repeat: usize) -> Result<(
         "nodding" => Beams::Nodding { columns: beam, axis: TurnAxis::Y },
         _ => Beams::Spinning { columns: beam, wraps: false },
     };
-    let rows_rad: Vec<f32> = (0..rows).map(|row| middle(rows, v_rad) - row as f32 * v_rad).collect();
-    segment(config, beams, &rows_rad, &range_m, repeat)
+    let rows: Vec<RowBeams> = (0..rows).map(|row| (middle(rows, v_rad) - row as f32 * v_rad).into()).collect();
+    segment(config, beams, &rows, &range_m, repeat)
 }
 
 fn recorded(geometry: &str, image: &str, approach: &str, repeat: usize) -> Result<()> {
@@ -146,7 +146,8 @@ fn recorded(geometry: &str, image: &str, approach: &str, repeat: usize) -> Resul
     let scan = RangeImage::from_grey(&GreyImage::read(image)?, &geometry)?;
     let beams = ScanBeams::new(&geometry, scan.rows, scan.columns)?;
     let config = config(approach, ranging(geometry.range_noise_m.unwrap_or(0.01) as f32, &geometry.noise))?;
-    segment(config, beams.beams(), beams.rows_rad(), &scan.range_m, repeat)
+    let rows: Vec<RowBeams> = (0..scan.rows).map(|row| beams.row(row)).collect();
+    segment(config, beams.beams(), &rows, &scan.range_m, repeat)
 }
 
 fn hard(scene: &str, columns: usize, config: AnyConfig<'_>, repeat: usize) -> Result<()> {
@@ -154,8 +155,8 @@ fn hard(scene: &str, columns: usize, config: AnyConfig<'_>, repeat: usize) -> Re
     let (rows, h_rad, v_rad) = (60, 160f32.to_radians() / columns as f32, 0.005);
     let range_m: Vec<f32> = (0..rows * columns).map(|i| at(i / columns, i % columns)).collect();
     let beam = Columns::Even { start_rad: middle(columns, h_rad), step_rad: -h_rad };
-    let rows_rad: Vec<f32> = (0..rows).map(|row| row as f32 * v_rad).collect();
-    segment(config, Beams::Nodding { columns: beam, axis: TurnAxis::Y }, &rows_rad, &range_m, repeat)
+    let rows: Vec<RowBeams> = (0..rows).map(|row| (row as f32 * v_rad).into()).collect();
+    segment(config, Beams::Nodding { columns: beam, axis: TurnAxis::Y }, &rows, &range_m, repeat)
 }
 
 /// The first of so many angles in steps, which are centred on 0.
@@ -163,15 +164,15 @@ fn middle(n: usize, step_rad: f32) -> f32 {
     (n as f32 - 1.0) / 2.0 * step_rad
 }
 
-fn segment(config: AnyConfig<'_>, beams: Beams<'_>, rows_rad: &[f32], range_m: &[f32], repeat: usize) -> Result<()> {
-    let columns = range_m.len() / rows_rad.len();
+fn segment(config: AnyConfig<'_>, beams: Beams<'_>, rows: &[RowBeams], range_m: &[f32], repeat: usize) -> Result<()> {
+    let columns = range_m.len() / rows.len();
     let mut memory = OwnedMemory::new(config, columns, None);
     let mut segmenter = AnySegmenter::new(config, beams, columns, memory.memory())?;
     let mut found = Found::default();
     for _ in 0..repeat {
         found = Found::default();
-        for (range_m, &row_rad) in range_m.chunks_exact(columns).zip(rows_rad) {
-            segmenter.push_row(range_m, row_rad, &mut found)?;
+        for (range_m, &row) in range_m.chunks_exact(columns).zip(rows) {
+            segmenter.push_row(range_m, row, &mut found)?;
         }
         segmenter.finish(&mut found);
     }

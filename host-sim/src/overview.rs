@@ -113,12 +113,12 @@ pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
     format!("Range: {near_m:.1} m yellow, {far_m:.1} m blue")
 }
 
-/// Returns a picture some whole factor larger or smaller, to a width of `width` and less, or to
-/// twice that at most.
+/// Returns a picture some whole factor larger or smaller, to a width of `width` and a height of
+/// [`SHEET_WIDTH`] and less, or to twice that at most.
 fn fitted(picture: Picture, width: usize) -> Picture {
     let (w, h) = (picture.width(), picture.height());
-    let times = (width / w).clamp(1, 8);
-    let parts = w.div_ceil(2 * width);
+    let times = (width / w).min(SHEET_WIDTH / h).clamp(1, 8);
+    let parts = w.div_ceil(2 * width).max(h.div_ceil(2 * SHEET_WIDTH));
     if times * parts == 1 { picture } else { picture.scaled(w * times / parts, h * times / parts) }
 }
 
@@ -135,19 +135,10 @@ pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scanseg_formats::{Angles, Depth, Noise};
+    use scanseg_formats::{Angles, Depth};
 
     fn view(kind: Kind) -> (bool, bool, bool) {
-        let none = None;
-        let geometry = Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: none,
-            max_range_m: none,
-            range_noise_m: none,
-            noise: Noise::NONE,
-            kind,
-        };
+        let geometry = Geometry::of(kind);
         let View { transpose, flip, mirror } = View::of(&geometry, 20, 30);
         (transpose, flip, mirror)
     }
@@ -193,5 +184,10 @@ mod tests {
         let width = |w, to| fitted(Picture::new(w, 4, BLACK), to).width();
         assert_eq!([width(361, 1050), width(640, 1050), width(20, 1050)], [722, 640, 160]);
         assert_eq!([width(1024, 2100), width(4000, 2100), width(9000, 2100)], [2048, 4000, 3000]);
+        // and no image makes a large sheet
+        for (w, h) in [(1, 65_535), (181, 30_000), (16_384, 1), (4096, 4096), (700, 3000), (1, 1)] {
+            let picture = fitted(Picture::new(w, h, BLACK), 1050);
+            assert!(picture.width() <= 2100 && picture.height() <= 2 * SHEET_WIDTH, "{w} x {h}");
+        }
     }
 }

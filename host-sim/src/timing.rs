@@ -41,8 +41,8 @@ impl Timing {
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
         for round in 0..=rounds.max(1) {
             let started = Instant::now();
-            for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-                segmenter.push_row(black_box(row_m), row_rad, &mut Consumer)?;
+            for (row, row_m) in scan.range_m.chunks(scan.columns).enumerate() {
+                segmenter.push_row(black_box(row_m), beams.row(row), &mut Consumer)?;
             }
             black_box(segmenter.finish(&mut Consumer));
             let ns = started.elapsed().as_secs_f64() * 1e9;

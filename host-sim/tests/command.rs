@@ -253,7 +253,7 @@ fn what_cannot_be_used_is_named_in_one_line_and_nothing_is_written() {
     fails(&folder, &with("scan.pgm", "scan.pgm", ""), &["scan.pgm"]);
     fails(&folder, &with("scan.pgm", "wrong.toml", ""), &["wrong.toml", "kind"]);
     fails(&folder, &with("scan.pgm", "listed.toml", ""), &["listed.toml", "scan.pgm", "turn_deg", "3", "50"]);
-    fails(&folder, &with("scan.pgm", "steep.toml", ""), &["scan.pgm", "step_rad"]);
+    fails(&folder, &with("scan.pgm", "steep.toml", ""), &["steep.toml", "beam_deg.step", "90"]);
     for (option, says) in [
         ("--preset best", "paper"),
         ("--frob 1", "--frob"),
@@ -295,7 +295,7 @@ fn more_segments_than_labels_png_can_number() {
     let (rows, columns) = (370, 370);
     let values = (0..rows * columns).map(|i| if (i / columns + i % columns) % 2 == 0 { 1000 } else { 0 }).collect();
     fs::write(folder.join("scan.pgm"), GreyImage { rows, columns, max_value: 65535, values }.to_pgm()).unwrap();
-    let geometry = "version = 1\nunit_m = 0.001\nkind = \"pinhole\"\ndepth = \"range\"\nfx = 300.0\nfy = 300.0\n\
+    let geometry = "version = 1\nunit_m = 0.001\nrange_noise_m = 0.01\nkind = \"pinhole\"\ndepth = \"range\"\nfx = 300.0\nfy = 300.0\n\
          cx = 185.0\ncy = 185.0\n";
     fs::write(folder.join("geometry.toml"), geometry).unwrap();
     let arguments = "segment scan.pgm --geometry geometry.toml --out out --preset paper --min-pixels";
@@ -303,23 +303,6 @@ fn more_segments_than_labels_png_can_number() {
     succeeds(&folder, &format!("{arguments} 2"));
     assert_eq!(json(folder.join("out/segments.json"))["header"]["segments_found"], 68450);
     assert!(GreyImage::read(folder.join("out/labels.png")).unwrap().values.iter().all(|&n| n == 0));
-}
-
-/// A unit that makes kilometres of millimetres leaves no return, which is said.
-#[test]
-fn a_wrong_unit_is_noticed() {
-    let folder = folder("unit");
-    small_scan(&folder);
-    assert!(!succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out a").contains("warning"));
-    let geometry = fs::read_to_string(folder.join("geometry.toml")).unwrap();
-    let (_, rest) = geometry.split_once("unit_m = ").unwrap();
-    let unit = rest.lines().next().unwrap();
-    let wrong = geometry.replace(&format!("unit_m = {unit}"), "unit_m = 1.0");
-    fs::write(folder.join("wrong.toml"), wrong).unwrap();
-    let output = scanseg(&folder, "segment scan.pgm --geometry wrong.toml --out b");
-    let told = String::from_utf8(output.stdout).unwrap();
-    let line = told.lines().find(|line| line.starts_with("warning: ")).unwrap();
-    assert!(line.contains(" counts lie outside 0.05 m to 100 m"), "{line}");
 }
 
 #[test]
@@ -338,9 +321,12 @@ fn bench_counts_what_segment_finds() {
     let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1");
     assert!(told.contains("median_ns_per_point") && told.contains("points 4550"), "{told}");
 
-    let told = succeeds(&folder, "bench scan.pgm --geometry geometry.toml --repeat 1 --json --approach edge");
+    let told = succeeds(
+        &folder,
+        "bench scan.pgm --geometry geometry.toml --repeat 1 --json --approach edge --range-noise-m 0.01",
+    );
     let timing: Value = serde_json::from_str(&told).unwrap();
-    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out --approach edge");
+    succeeds(&folder, "segment scan.pgm --geometry geometry.toml --out out --approach edge --range-noise-m 0.01");
     let by_edges = json(folder.join("out/segments.json"))["header"].clone();
     assert_eq!(timing["segments"], by_edges["segments_listed"]);
     assert_ne!(by_edges["edge_pixels"], header["edge_pixels"]);
@@ -412,13 +398,14 @@ fn units_that_leave_no_return_are_said() {
     let folder = folder("units_that_leave_no_return_are_said");
     let counts = |far: usize| (0..128).map(|i| if i < far { 60_000 } else { 2000 + i as u16 }).collect();
     let image = |far| GreyImage { rows: 8, columns: 16, max_value: 65535, values: counts(far) }.to_pgm();
-    let geometry = |unit_m: f64| {
+    let geometry = |unit_m: f64, lines: &str| {
         format!(
-            "version = 1\nunit_m = {unit_m:?}\nrange_noise_m = 0.01\nkind = \"nodding\"\nturn_axis = \"y\"\n\
+            "version = 1\nunit_m = {unit_m:?}\n{lines}range_noise_m = 0.01\nkind = \"nodding\"\nturn_axis = \"y\"\n\
              beam_deg = {{ start = -7.5, step = 1.0 }}\nturn_deg = {{ start = -4.0, step = 1.0 }}\n"
         )
     };
     for (unit_m, far, said) in [
+        (0.001_f64, 0, ""),
         (1.0, 0, "mm.pgm: 128 of 128 counts lie outside of 0.05 m to 100 m and are no return: is unit_m = 1 right?"),
         (
             1e-6,
@@ -432,9 +419,14 @@ fn units_that_leave_no_return_are_said() {
         ),
         (0.005, 20, ""),
         (0.001, 0, ""),
+        // without a least range of its own, and with a largest one of 500 m
+        (-1e-6, 0, "mm.pgm: 128 of 128 counts are nearer than 0.05 m: is unit_m = 0.000001 right?"),
+        (-1.0, 0, "mm.pgm: 128 of 128 counts lie outside of 0.00 m to 500 m and are no return: is unit_m = 1 right?"),
+        (-0.001, 0, ""),
     ] {
+        let limits = if unit_m < 0.0 { "min_range_m = 0\nmax_range_m = 10000\n" } else { "" };
         fs::write(folder.join("mm.pgm"), image(far)).unwrap();
-        fs::write(folder.join("geometry.toml"), geometry(unit_m)).unwrap();
+        fs::write(folder.join("geometry.toml"), geometry(unit_m.abs(), limits)).unwrap();
         for command in
             ["segment mm.pgm --geometry geometry.toml --out out", "bench mm.pgm --geometry geometry.toml --repeat 1"]
         {

@@ -37,9 +37,13 @@ fn what_was_seen_live_is_replayed_and_heard() {
     let folder = folder("live");
     let faults = ["", " --faults loss=0.0005,flip=0.0005,insert=0.0001"];
     for faults in faults {
-        let live = succeeds(&folder, &format!("rig --traces row*4,column*4 --save c.txt --link live.bin{faults}"));
+        let live = succeeds(
+            &folder,
+            &format!("rig --traces row*4,column*4 --range-noise-m 0.01 --save c.txt --link live.bin{faults}"),
+        );
         assert!(told(&live).len() > 12, "{live}");
-        let replayed = succeeds(&folder, "replay c.txt --traces row*4,column*4 --link replayed.bin");
+        let replayed =
+            succeeds(&folder, "replay c.txt --traces row*4,column*4 --range-noise-m 0.01 --link replayed.bin");
         assert!(told(&replayed).starts_with(&told(&live)), "{live}\n{replayed}");
         let (live_segments, replayed_segments) =
             (segments(&folder.join("live.bin")), segments(&folder.join("replayed.bin")));
@@ -76,7 +80,7 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
     }
     fs::write(folder.join("raw.bin"), &raw).unwrap();
     fs::write(folder.join("geometry.toml"), scan.geometry.to_toml()).unwrap();
-    let replay = "replay raw.bin --geometry geometry.toml --range-bits 15 --traces row*4,column*4 --min-pixels 1";
+    let replay = "replay raw.bin --geometry geometry.toml --range-bits 15 --traces row*4,column*4 --range-noise-m 0.01 --min-pixels 1";
     let text = succeeds(&folder, &format!("{replay} --link raw.link"));
     assert!(text.contains("scan 1 over (asked): 60 rows"), "{text}");
     let mut found = segments(&folder.join("raw.link"));

@@ -6,6 +6,7 @@ pub mod order;
 pub mod reference;
 pub mod scenes;
 pub mod stream;
+pub mod walls;
 
 /// Compiles the example of the project's README.
 #[cfg(doctest)]

@@ -132,7 +132,7 @@ impl Scan {
     /// The bearing angles that the core finds along a trace, in counts.
     pub fn counts(&self, ranging: &Ranging, trace: Trace) -> Vec<u16> {
         let mut counts = vec![0; self.range_m.len()];
-        let row = |row| Row { ranges_m: self.row_m(row), turn_rad: self.turn_rad[row], row };
+        let row = |row| Row { ranges_m: self.row_m(row), beams: self.turn_rad[row].into(), row };
         for (now, out) in counts.chunks_mut(self.columns).enumerate() {
             // above the image there is none
             if let Some(before) = now.checked_sub(trace.rows.into()) {

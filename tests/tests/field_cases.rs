@@ -50,6 +50,26 @@ fn wide_wall() {
     assert_plane(&found.segments[0], [0.0, -1.0, 0.0], 6.0, 0.2, 0.005);
 }
 
+/// The ground and the four walls of a street, by rings that look up to 4.2 deg beside one another.
+#[test]
+fn rings_beside_one_another() {
+    let Some((image, mut geometry)) = read("06-azimuth-offset-per-row", "delivered.pgm", "vlp32c.toml") else { return };
+    let truth = read("06-azimuth-offset-per-row", "delivered.truth.pgm", "vlp32c.toml").unwrap();
+    let truth: Vec<_> = truth.0.range_m.iter().map(|m| (m / 0.002).round() as u32).collect();
+    let offsets = std::fs::read_to_string(case("06-azimuth-offset-per-row/azimuth_offset_deg.txt").unwrap()).unwrap();
+    let listed = offsets.split_whitespace().map(|deg| deg.parse().unwrap()).collect();
+    geometry.beside.row_offset_deg = Some(scanseg_formats::Angles::Listed(listed));
+    let found = found(&(image, geometry));
+    let mut overlaps = std::collections::BTreeMap::new();
+    for (&surface, &label) in truth.iter().zip(&found.labels).filter(|(surface, _)| **surface > 0) {
+        *overlaps.entry((surface, label)).or_insert(0) += 1;
+    }
+    let of = |surface: u32| overlaps.range((surface, 0)..(surface + 1, 0)).map(|(_, count)| *count);
+    let shares: Vec<f64> =
+        (1..=5).map(|s| f64::from(of(s).max().unwrap_or(0)) / f64::from(of(s).sum::<i32>())).collect();
+    assert!(shares.iter().all(|share| *share >= 0.95), "{shares:?}");
+}
+
 /// A floor and a wall square to the scanner, both exact, are two segments.
 #[test]
 fn square_wall() {

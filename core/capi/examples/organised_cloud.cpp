@@ -25,16 +25,18 @@ struct Camera {
 };
 
 struct Found {
-    std::vector<std::uint32_t> labels;   // of each point, joins applied; 0 in no segment
-    std::vector<scanseg_event> segments; // by label, pixels 0 where there is none
+    std::vector<std::uint32_t> labels; // of each point; 0 in no segment
+    std::vector<scanseg_event> segments;
 };
 
-// One range per point of a row: its distance, not its depth.
-void ranges(const Layout &cloud, std::size_t row, std::vector<float> &ranges_m) {
-    for (std::size_t i = 0; i < ranges_m.size(); i++) {
-        const float *point = cloud.first + (row * ranges_m.size() + i) * cloud.stride;
+// One range per point: its distance, not its depth.
+std::vector<float> ranges(const Layout &cloud, std::size_t points) {
+    std::vector<float> ranges_m(points);
+    for (std::size_t i = 0; i < points; i++) {
+        const float *point = cloud.first + i * cloud.stride;
         ranges_m[i] = std::sqrt(point[0] * point[0] + point[1] * point[1] + point[2] * point[2]);
     }
+    return ranges_m;
 }
 
 bool segment(const Layout &cloud, const Camera &camera, std::uint32_t approach, Found &found) {
@@ -54,37 +56,13 @@ bool segment(const Layout &cloud, const Camera &camera, std::uint32_t approach, 
         std::printf("%s: %s\n", field != nullptr ? field : "scanseg", segmenter.status().what());
         return false;
     }
-    std::vector<std::uint32_t> into(1);
-    found.segments.assign(1, {});
-    const auto take = [&] {
-        for (const std::uint32_t label : segmenter.labels()) {
-            found.labels.push_back(label < SCANSEG_UNLABELLED ? label : 0);
-        }
-        for (const scanseg_event &event : segmenter.events()) {
-            while (into.size() <= event.label) {
-                into.push_back(static_cast<std::uint32_t>(into.size()));
-                found.segments.push_back({});
-            }
-            if (event.kind == SCANSEG_JOIN) {
-                into[event.label] = event.into;
-                found.segments[event.label] = {};
-            } else {
-                found.segments[event.label] = event;
-            }
-        }
-    };
-    std::vector<float> ranges_m(camera.columns);
-    for (std::size_t row = 0; row < camera.rows; row++) {
-        ranges(cloud, row, ranges_m);
-        if (!segmenter.push_row(ranges_m)) return false;
-        take();
+    const std::vector<float> ranges_m = ranges(cloud, camera.columns * camera.rows);
+    if (!segmenter.segment_image(ranges_m)) return false;
+    for (const std::uint32_t label : segmenter.labels()) {
+        found.labels.push_back(label < SCANSEG_UNLABELLED ? label : 0);
     }
-    if (!segmenter.finish()) return false;
-    take();
-    // joins go to smaller labels, so that these are final when a larger one asks
-    for (std::uint32_t &label : into) label = into[label];
-    for (std::uint32_t &label : found.labels) label = label < into.size() ? into[label] : 0;
-    return found.labels.size() == camera.rows * camera.columns;
+    found.segments.assign(segmenter.events().begin(), segmenter.events().end());
+    return true;
 }
 
 // A corner of a room, 3 m ahead: floor, left wall, right wall; and a hole.

@@ -1,5 +1,5 @@
-/* Segments a 16-bit range image of a scanner that nods, row by row as if it were still scanning, and writes the segment
- * number of each pixel, 1 for the largest. The same numbers as `labels.png` of `scanseg segment`.
+/* Segments a 16-bit range image of a scanner that nods, in one call, and writes the segment number of each pixel, 1 for the
+ * largest. The same numbers as `labels.png` of `scanseg segment`.
  *
  *     segment_pgm SCAN.pgm LABELS.pgm unit_m=0.001 beam_start_deg=-90 beam_step_deg=0.5 turn_start_deg=-48.7
  *                 turn_step_deg=0.516889 range_noise_m=0.01 min_range_m=0.48 no_return=32767 no_return=32765
@@ -19,18 +19,6 @@ typedef struct {
     int no_returns;
 } geometry;
 
-/* What is known of a label: the label that it was joined into, itself if none; its segment, `pixels` 0 if it has none. */
-typedef struct {
-    uint32_t into;
-    uint32_t number;
-    scanseg_event segment;
-} label_entry;
-
-typedef struct {
-    label_entry *entries;
-    size_t count;
-} label_table;
-
 static void fail(const char *what, const char *why) {
     fprintf(stderr, "%s: %s\n", what, why);
     exit(1);
@@ -40,32 +28,6 @@ static void *allocate(void *old, size_t bytes) {
     void *memory = realloc(old, bytes);
     if (memory == NULL) fail("memory", "not enough");
     return memory;
-}
-
-static label_entry *entry(label_table *table, uint32_t label) {
-    while (table->count <= label) {
-        if ((table->count & (table->count + 1)) == 0) {
-            table->entries = allocate(table->entries, (2 * table->count + 2) * sizeof *table->entries);
-        }
-        memset(&table->entries[table->count], 0, sizeof *table->entries);
-        table->entries[table->count].into = (uint32_t)table->count;
-        table->count++;
-    }
-    return &table->entries[label];
-}
-
-/* Joins and segments. A segment that is joined with another one is no more; given again, the later one counts. */
-static void take(label_table *table, const scanseg_output *output) {
-    for (size_t i = 0; i < output->event_count; i++) {
-        const scanseg_event *event = &output->events[i];
-        label_entry *of = entry(table, event->label);
-        if (event->kind == SCANSEG_JOIN) {
-            of->into = event->into;
-            of->segment.pixels = 0;
-        } else {
-            of->segment = *event;
-        }
-    }
 }
 
 static int by_size(const void *a, const void *b) {
@@ -163,67 +125,59 @@ int main(int argc, char **argv) {
     scanseg_segmenter *segmenter;
     check(scanseg_init(memory, size, &config, &segmenter));
 
-    size_t width = (size_t)columns, height = (size_t)rows;
-    uint32_t *labels = allocate(NULL, width * height * sizeof *labels);
-    float *ranges = allocate(NULL, width * sizeof *ranges);
-    scanseg_output output = SCANSEG_OUTPUT_INIT;
-    output.event_capacity = SCANSEG_MAX_EVENTS(width);
-    output.events = allocate(NULL, output.event_capacity * sizeof *output.events);
-    label_table table = {NULL, 0};
-    entry(&table, 0);
-
-    /* the labels of a row may come late, but always in order: they go where the next row is missing */
-    size_t labelled = 0;
+    size_t width = (size_t)columns, height = (size_t)rows, pixels = width * height;
+    float *ranges_m = allocate(NULL, pixels * sizeof *ranges_m);
+    for (size_t i = 0; i < pixels; i++) ranges_m[i] = range_m(&geometry, counts[i]);
+    float *turns_rad = allocate(NULL, height * sizeof *turns_rad);
     for (size_t row = 0; row < height; row++) {
-        for (size_t i = 0; i < width; i++) ranges[i] = range_m(&geometry, counts[row * width + i]);
-        output.labels = labels + labelled * width;
-        output.label_capacity = (height - labelled) * width;
-        float turn_rad = radians(geometry.turn_start_deg + (double)row * geometry.turn_step_deg);
-        check(scanseg_push_row(segmenter, ranges, width, turn_rad, &output));
-        labelled += output.row_count;
-        take(&table, &output);
+        turns_rad[row] = radians(geometry.turn_start_deg + (double)row * geometry.turn_step_deg);
     }
-    uint32_t *last = allocate(NULL, SCANSEG_LATENCY_ROWS * width * sizeof *last);
-    output.labels = last;
-    output.label_capacity = SCANSEG_LATENCY_ROWS * width;
-    check(scanseg_finish(segmenter, &output));
-    take(&table, &output);
-    if (labelled < height) memcpy(labels + labelled * width, last, output.row_count * width * sizeof *last);
+    uint32_t *work = allocate(NULL, SCANSEG_IMAGE_WORK(height, width) * sizeof *work);
+    uint32_t *labels = allocate(NULL, pixels * sizeof *labels);
+    scanseg_output output = SCANSEG_OUTPUT_INIT;
+    output.labels = labels;
+    output.label_capacity = pixels;
+    /* no segment has less than a pixel, so that there is room for all; little of this memory is ever touched */
+    output.events = allocate(NULL, pixels * sizeof *output.events);
+    output.event_capacity = pixels;
+    check(scanseg_segment_image(segmenter, ranges_m, height, width, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(height, width),
+                                &output));
 
-    /* joins go to smaller labels, so that these are final when a larger one asks */
+    /* the events are the segments; the labels become their places by size */
+    uint32_t most = 0;
     size_t found = 0;
-    scanseg_event *segments = allocate(NULL, (table.count + 1) * sizeof *segments);
-    for (size_t label = 1; label < table.count; label++) {
-        label_entry *of = &table.entries[label];
-        of->into = table.entries[of->into].into;
-        if (of->segment.pixels >= MIN_PIXELS) segments[found++] = of->segment;
+    for (size_t i = 0; i < output.event_count; i++) {
+        most = output.events[i].label > most ? output.events[i].label : most;
+        if (output.events[i].pixels >= MIN_PIXELS) output.events[found++] = output.events[i];
     }
-    qsort(segments, found, sizeof *segments, by_size);
+    qsort(output.events, found, sizeof *output.events, by_size);
+    uint32_t *numbers = allocate(NULL, ((size_t)most + 1) * sizeof *numbers);
+    memset(numbers, 0, ((size_t)most + 1) * sizeof *numbers);
     for (size_t i = 0; i < found; i++) {
+        const scanseg_event *segment = &output.events[i];
         scanseg_plane plane;
-        table.entries[segments[i].label].number = (uint32_t)i + 1;
-        if (i < 10 && scanseg_fit_plane(&segments[i], &plane) == SCANSEG_OK) {
-            printf("%3zu: %6u pixels, normal %6.3f %6.3f %6.3f, distance %6.3f m, rms %.4f m\n", i + 1, segments[i].pixels,
+        numbers[segment->label] = (uint32_t)i + 1;
+        if (i < 10 && scanseg_fit_plane(segment, &plane) == SCANSEG_OK) {
+            printf("%3zu: %6u pixels, normal %6.3f %6.3f %6.3f, distance %6.3f m, rms %.4f m\n", i + 1, segment->pixels,
                    plane.normal[0], plane.normal[1], plane.normal[2], plane.distance_m, plane.rms_m);
         }
     }
     FILE *file = fopen(argv[2], "wb");
     if (file == NULL) fail(argv[2], "cannot be written");
     fprintf(file, "P5\n%d %d\n65535\n", columns, rows);
-    for (size_t i = 0; i < width * height; i++) {
-        uint32_t label = labels[i] < table.count ? labels[i] : 0;
-        uint32_t number = table.entries[table.entries[label].into].number;
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t number = labels[i] <= most ? numbers[labels[i]] : 0;
         fputc((int)(number >> 8), file);
         fputc((int)(number & 255), file);
     }
     if (fclose(file) != 0) fail(argv[2], "cannot be written");
     printf("%zu segments of %d pixels or more in %d x %d pixels\n", found, MIN_PIXELS, rows, columns);
-    free(segments);
-    free(last);
-    free(table.entries);
+    free(numbers);
     free(output.events);
-    free(ranges);
     free(labels);
+    free(work);
+    free(turns_rad);
+    free(ranges_m);
     free(memory);
     free(counts);
     return 0;

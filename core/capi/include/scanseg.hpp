@@ -7,8 +7,10 @@
 //     for each row: segmenter.push_row(ranges_m); // then labels() and events()
 //     segmenter.finish();                         // then reset() for the next scan
 //
+// A whole image in one call: segmenter.segment_image(ranges_m, turns_rad), then labels() and events().
+//
 // Calls answer with a status, and nothing is thrown; with SCANSEG_EXCEPTIONS defined before the header is included, errors
-// are thrown as scanseg::Error. Memory is taken when a segmenter is made, and not afterwards.
+// are thrown as scanseg::Error. Memory is taken when a segmenter is made, and for images by segment_image; not by other calls.
 #ifndef SCANSEG_HPP
 #define SCANSEG_HPP
 
@@ -78,6 +80,15 @@ struct Config : scanseg_config {
     const char *bad_field() const noexcept { return scanseg_bad_field(this); }
 };
 
+/// Where the beams of a row point: at a turn, and what else there is to say.
+struct RowBeams : scanseg_row_beams {
+    explicit RowBeams(float turn_rad = 0) noexcept : scanseg_row_beams() {
+        scanseg_row_beams_init(this, sizeof(scanseg_row_beams), turn_rad);
+    }
+    /// Free beams: x, y and z of each column.
+    explicit RowBeams(Span<const float> of) noexcept : RowBeams() { directions = of.data(), direction_count = of.size(); }
+};
+
 /// The plane of a segment.
 inline Status fit_plane(const scanseg_event &segment, scanseg_plane &plane) noexcept {
     return scanseg_fit_plane(&segment, &plane);
@@ -101,6 +112,12 @@ public:
         return checked(scanseg_push_row(get(), ranges_m.data(), ranges_m.size(), turn_rad, &output_));
     }
 
+    /// The same for a row whose beams lie beside where its turn alone says; see scanseg_push_row_beams.
+    Status push_row(Span<const float> ranges_m, const RowBeams &beams) {
+        clear();
+        return checked(scanseg_push_row_beams(get(), ranges_m.data(), ranges_m.size(), &beams, &output_));
+    }
+
     /// Ends the scan; see scanseg_finish.
     Status finish() {
         clear();
@@ -113,13 +130,21 @@ public:
         return checked(scanseg_reset(get()));
     }
 
+    /// Segments a whole image, row after row, and applies all joins; see scanseg_segment_image. One turn for each row, or
+    /// none for a camera; with free beams three numbers of direction for each pixel. Takes 12 bytes of memory a pixel, and keeps them for the next image. Runs twice where there are
+    /// more segments than there was room for.
+    Status segment_image(Span<const float> ranges_m, Span<const float> turns_rad = {}, Span<const float> directions = {}) {
+        clear();
+        return checked(image(ranges_m, turns_rad, directions));
+    }
+
     /// Labels that the last call has given out, rows() of them, row after row.
     Span<const std::uint32_t> labels() const noexcept { return {labels_.get(), rows() * columns_}; }
     /// Number of the first of these rows.
     std::size_t first_row() const noexcept { return output_.first_row; }
     std::size_t rows() const noexcept { return memory_ ? output_.row_count : 0; }
     std::size_t columns() const noexcept { return columns_; }
-    /// Joins and segments that the last call has found. There is room for all that one call can bring.
+    /// Joins and segments that the last call has found; of an image its segments. There is room for all.
     Span<const scanseg_event> events() const noexcept { return {events_.get(), memory_ ? output_.event_count : 0}; }
     /// All that the last call has given out.
     const scanseg_output &output() const noexcept { return output_; }
@@ -148,6 +173,35 @@ private:
         return status;
     }
 
+    scanseg_status image(Span<const float> ranges_m, Span<const float> turns_rad, Span<const float> directions) noexcept {
+        if (memory_ == nullptr) return SCANSEG_ERROR_NULL;
+        const std::size_t rows = ranges_m.size() / columns_;
+        if (ranges_m.size() != rows * columns_) return SCANSEG_ERROR_ROW_LENGTH;
+        if (!turns_rad.empty() && turns_rad.size() != rows) return SCANSEG_ERROR_TURN_ANGLE;
+        if (!directions.empty() && directions.size() != 3 * ranges_m.size()) return SCANSEG_ERROR_ROW_BEAMS;
+        if (!room(labels_, output_.label_capacity, rows * columns_)) return SCANSEG_ERROR_NULL;
+        if (!room(work_, work_size_, SCANSEG_IMAGE_WORK(rows, columns_))) return SCANSEG_ERROR_NULL;
+        output_.labels = labels_.get();
+        for (;;) {
+            const scanseg_status status = scanseg_segment_image(get(), ranges_m.data(), rows, columns_, turns_rad.data(),
+                                                                directions.data(), work_.get(), work_size_, &output_);
+            if (status != SCANSEG_EVENTS_FULL) return status;
+            if (!room(events_, output_.event_capacity, output_.event_count + output_.events_lost)) return status;
+            output_.events = events_.get();
+        }
+    }
+
+    /// Makes room for so many elements, unless there is.
+    template <class T>
+    static bool room(std::unique_ptr<T[]> &array, std::size_t &size, std::size_t needed) noexcept {
+        if (size >= needed) return true;
+        std::unique_ptr<T[]> larger(new (std::nothrow) T[needed]);
+        if (larger == nullptr) return false;
+        array = std::move(larger);
+        size = needed;
+        return true;
+    }
+
     void clear() noexcept { output_.row_count = 0, output_.event_count = 0; }
 
     static Status checked(Status status) {
@@ -160,6 +214,8 @@ private:
     std::unique_ptr<std::max_align_t[]> memory_;
     std::unique_ptr<std::uint32_t[]> labels_;
     std::unique_ptr<scanseg_event[]> events_;
+    std::unique_ptr<std::uint32_t[]> work_;
+    std::size_t work_size_ = 0;
     std::size_t columns_ = 0;
     scanseg_output output_ = {};
     Status made_ = SCANSEG_ERROR_NULL;

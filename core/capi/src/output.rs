@@ -3,10 +3,12 @@
 use core::ffi::c_void;
 use core::ops::ControlFlow;
 
-use scanseg_core::{Fitted, Join, Label, LabelRow, Moments, Pixel, Plane, Segment, SegmentSums, Sink};
+use scanseg_core::{Join, LabelRow, Moments, Pixel, Segment, SegmentSums, Sink};
 
 use crate::check::{check_pointer, check_struct};
-use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_NO_PLANE, SCANSEG_OK, Status};
+use crate::event::{Event, SCANSEG_JOIN, SCANSEG_SEGMENT};
+use crate::image::{Events, Labels};
+use crate::status::{SCANSEG_ERROR_LABELS_SIZE, SCANSEG_EVENTS_FULL, SCANSEG_OK, Status};
 
 /// A pixel: nothing was measured.
 pub const SCANSEG_NO_RETURN: u32 = 0;
@@ -15,74 +17,9 @@ pub const SCANSEG_ON_EDGE: u32 = 0xFFFF_FFFF;
 /// A pixel: part of an area that got no label, because the table of live labels was full.
 pub const SCANSEG_UNLABELLED: u32 = 0xFFFF_FFFE;
 
-/// `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
-pub const SCANSEG_JOIN: u32 = 1;
-/// `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
-/// with another one that turns out to be a part of the same surface; then it is given again when
-/// that is complete, and the later one counts.
-pub const SCANSEG_SEGMENT: u32 = 2;
-
 /// Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the
 /// others are not.
 pub const SCANSEG_LATENCY_ROWS: usize = 3;
-
-/// Two areas are one, or a segment is complete. Of a join only `kind`, `label` and `into` are set,
-/// the rest is 0.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Event {
-    /// `SCANSEG_JOIN` or `SCANSEG_SEGMENT`.
-    pub kind: u32,
-    /// The segment's label, or the label that ends here. Labels count up from 1 and are never used
-    /// twice within a scan.
-    pub label: u32,
-    /// Join: the label that goes on.
-    pub into: u32,
-    /// Segment: number of its pixels.
-    pub pixels: u32,
-    /// Segment: first row with a pixel of it.
-    pub first_row: u16,
-    /// Segment: last row with a pixel of it.
-    pub last_row: u16,
-    /// Segment: leftmost column with a pixel of it. Across the seam of a wrapped image: 0.
-    pub first_column: u16,
-    /// Segment: rightmost column with a pixel of it. Across the seam of a wrapped image: the last
-    /// one.
-    pub last_column: u16,
-    /// Segment of `SCANSEG_EDGE` or `SCANSEG_REGION`: sums of x, y, z over its points, in units of
-    /// 1/4096 m. By planes 0.
-    pub first_moments: [i64; 3],
-    /// The same: sums of xx, yy, zz, xy, xz, yz, in units of 1/4096 m squared. See
-    /// `scanseg_fit_plane`.
-    pub second_moments: [i64; 6],
-    /// Segment of `SCANSEG_PLANE`: its plane with the sums that it was found from. Else 0.
-    /// `scanseg_fit_plane` makes a plane of it with its covariance. With the beam u of a point, a
-    /// unit vector, and its weight r^4 / sigma^2 of its range r and the standard deviation of that:
-    /// the sum of the weights, less what errors that all pixels of a row share take of it, m^2; the
-    /// sum of the weights, m^2; x, y, z of the weighted mean of the beams; xx, yy, zz, xy, xz,
-    /// yz of their weighted scatter about it, m^2; x, y, z of the plane m, the points p with p . m =
-    /// 1, 1 / m; the sum of the squared range errors in units of the noise.
-    pub plane_sums: [f32; 15],
-}
-
-/// The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PlaneFit {
-    /// Mean of the points, metres. `SCANSEG_PLANE`: the middle of the points as the scanner sees
-    /// them, on the plane; far points weigh more.
-    pub centroid_m: [f32; 3],
-    /// Unit normal towards the scanner.
-    pub normal: [f32; 3],
-    /// Distance of the plane from the scanner, metres; not negative.
-    pub distance_m: f32,
-    /// Root of the mean squared distance of the points from the plane, metres.
-    pub rms_m: f32,
-    /// Covariance of (normal x, y, z, distance): symmetric, in rad^2, rad m and m^2. Of rank 3. From
-    /// the residuals; `SCANSEG_PLANE`: from the noise that the ranges are said or found to have, and
-    /// from the residuals where these are larger.
-    pub covariance: [[f32; 4]; 4],
-}
 
 /// Called with each event while a call runs: `user` is that of the output, the event lives for the
 /// call. Answer 0 to go on, anything else to drop the scan. It must return (no exception, no
@@ -103,11 +40,12 @@ pub struct Output {
     /// `SCANSEG_ON_EDGE` or `SCANSEG_UNLABELLED`. NULL: no labels.
     pub labels: *mut u32,
     /// Elements of `labels`: at least `columns` for `scanseg_push_row`, and with `SCANSEG_EDGE`
-    /// `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`.
+    /// `SCANSEG_LATENCY_ROWS * columns` for `scanseg_finish`; `rows * columns` for
+    /// `scanseg_segment_image`.
     pub label_capacity: usize,
     /// For the events, in their order. NULL: no events.
     pub events: *mut Event,
-    /// Elements of `events`; `SCANSEG_MAX_EVENTS(columns)` always suffice.
+    /// Elements of `events`; for one row `SCANSEG_MAX_EVENTS(columns)` always suffice.
     pub event_capacity: usize,
     /// Called with each event; or NULL. Needs no array.
     pub on_event: OnEvent,
@@ -115,30 +53,40 @@ pub struct Output {
     pub user: *mut c_void,
     /// Given out: events in `events`.
     pub event_count: usize,
-    /// Given out: events that did not fit.
+    /// Given out: events that did not fit; by `scanseg_segment_image` also where there is no array.
     pub events_lost: usize,
     /// Given out: rows in `labels`, or that would be if there were `labels`.
     pub row_count: u32,
     /// Given out: pixels in these rows that got no label, because the table of live labels was
     /// full.
     pub unlabelled: u32,
-    /// Given out by `scanseg_finish`: rows of the scan.
+    /// Given out by `scanseg_finish` and `scanseg_segment_image`: rows of the scan.
     pub scan_rows: u32,
 }
 
 /// Takes the results of one call.
-pub(crate) struct Collector {
+pub(crate) struct Collector<'a> {
     to: *mut Output,
     output: Output,
+    /// Labels that were given out.
+    pixels: usize,
+    events: Events,
+    /// Of a whole image.
+    image: Option<Labels<'a>>,
 }
 
-impl Collector {
-    /// Checks an output for a call that gives out up to `rows` rows.
+impl<'a> Collector<'a> {
+    /// Checks an output for a call that gives out up to `rows` rows, of a whole `image` or not.
     ///
     /// # Safety
     /// `output` is NULL or points to `struct_size` bytes, its arrays have as many elements as it
     /// says, nothing of them overlaps, and all stay until the collector is done.
-    pub unsafe fn new(to: *mut Output, rows: usize, columns: usize) -> Result<Collector, Status> {
+    pub unsafe fn new(
+        to: *mut Output,
+        rows: usize,
+        columns: usize,
+        image: Option<Labels<'a>>,
+    ) -> Result<Collector<'a>, Status> {
         // SAFETY: the caller's promise; no more than the size is read before that is checked.
         let mut output = unsafe {
             check_struct(to, &raw const (*to).struct_size)?;
@@ -154,45 +102,66 @@ impl Collector {
             check_pointer(output.events)?;
         }
         (output.first_row, output.row_count, output.unlabelled, output.scan_rows) = (0, 0, 0, 0);
-        (output.event_count, output.events_lost) = (0, 0);
-        Ok(Collector { to, output })
+        // SAFETY: the pointer was checked, and the caller promises the capacity.
+        let events = unsafe { Events::new(output.events, output.event_capacity) };
+        Ok(Collector { to, output, pixels: 0, events, image })
     }
 
     /// Tells the caller how much there is.
     pub fn done(mut self, scan_rows: usize) -> Status {
-        self.output.scan_rows = scan_rows as u32;
+        self.finish_image();
+        let Collector { to, mut output, events, image, .. } = self;
+        output.scan_rows = scan_rows as u32;
+        (output.event_count, output.events_lost) = (events.count, events.lost);
+        let full = events.lost > 0 && !output.events.is_null();
+        if image.is_none() && !full {
+            output.events_lost = 0;
+        }
         // SAFETY: `new` has read from there, and its caller promised that it stays.
-        unsafe { self.to.write(self.output) };
-        if self.output.events_lost > 0 { SCANSEG_EVENTS_FULL } else { SCANSEG_OK }
+        unsafe { to.write(output) };
+        if full { SCANSEG_EVENTS_FULL } else { SCANSEG_OK }
     }
 
-    fn event(&mut self, event: &Event) -> ControlFlow<()> {
-        let out = &mut self.output;
-        if out.event_count < out.event_capacity {
-            // SAFETY: `new` has checked the pointer, and its caller promised the capacity.
-            unsafe { out.events.add(out.event_count).write(*event) };
-            out.event_count += 1;
-        } else if !out.events.is_null() {
-            out.events_lost += 1;
+    /// Applies the joins to the labels of an image.
+    fn finish_image(&mut self) {
+        let Some(image) = &mut self.image else { return };
+        image.finish(&mut self.events);
+        let labels = self.output.labels;
+        if labels.is_null() {
+            return;
         }
-        let Some(on_event) = out.on_event else { return ControlFlow::Continue(()) };
+        for i in 0..self.pixels {
+            // SAFETY: `row` has written so many.
+            unsafe { labels.add(i).write(image.find(labels.add(i).read())) };
+        }
+    }
+
+    /// Takes a join or a segment: into the array, and to the callback.
+    fn event(&mut self, event: &Event) -> ControlFlow<()> {
+        match &mut self.image {
+            None => {
+                self.events.push(event);
+            }
+            Some(image) if event.kind == SCANSEG_JOIN => image.join(event.label, event.into, &mut self.events),
+            Some(image) => image.segment(event, &mut self.events),
+        }
+        let Some(on_event) = self.output.on_event else { return ControlFlow::Continue(()) };
         // SAFETY: the caller gave this function for this use; the event lives for the call.
-        match unsafe { on_event(out.user, event) } {
+        match unsafe { on_event(self.output.user, event) } {
             0 => ControlFlow::Continue(()),
             _ => ControlFlow::Break(()),
         }
     }
 }
 
-impl Sink for Collector {
+impl Sink for Collector<'_> {
     fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
         let out = &mut self.output;
         if out.row_count == 0 {
             out.first_row = row.row() as u32;
         }
-        let from = out.row_count as usize * row.columns();
         out.row_count += 1;
-        for (column, pixel) in row.pixels().enumerate() {
+        for pixel in row.pixels() {
             let label = match pixel {
                 Pixel::NoReturn => SCANSEG_NO_RETURN,
                 Pixel::Edge => SCANSEG_ON_EDGE,
@@ -202,9 +171,10 @@ impl Sink for Collector {
                     SCANSEG_UNLABELLED
                 }
             };
-            if !out.labels.is_null() && from + column < out.label_capacity {
+            if !out.labels.is_null() && self.pixels < out.label_capacity {
                 // SAFETY: `new` has checked the pointer, and its caller promised the capacity.
-                unsafe { out.labels.add(from + column).write(label) };
+                unsafe { out.labels.add(self.pixels).write(label) };
+                self.pixels += 1;
             }
         }
         ControlFlow::Continue(())
@@ -233,34 +203,5 @@ impl Sink for Collector {
             second_moments: moments.second,
             plane_sums,
         })
-    }
-}
-
-/// The plane of the sums of an event.
-pub(crate) fn fit_plane(event: &Event) -> Result<PlaneFit, Status> {
-    // sums that no segment has
-    if event.first_moments.contains(&i64::MIN) {
-        return Err(SCANSEG_NO_PLANE);
-    }
-    let segment = segment_of(event);
-    let Plane { normal, distance_m, rms_m, covariance } = segment.plane().ok_or(SCANSEG_NO_PLANE)?;
-    Ok(PlaneFit { centroid_m: segment.centroid_m(), normal, distance_m, rms_m, covariance })
-}
-
-/// The segment that an event tells of.
-fn segment_of(event: &Event) -> Segment {
-    let sums = if event.plane_sums[0] > 0.0 {
-        SegmentSums::Fitted { pixels: event.pixels, fitted: Fitted::from_numbers(event.plane_sums) }
-    } else {
-        let (first, second) = (event.first_moments, event.second_moments);
-        SegmentSums::Moments(Moments { points: event.pixels, first, second })
-    };
-    Segment {
-        label: Label(event.label),
-        first_row: event.first_row,
-        last_row: event.last_row,
-        first_column: event.first_column,
-        last_column: event.last_column,
-        sums,
     }
 }

@@ -157,7 +157,7 @@ fn bad_fields_are_named() {
     assert_eq!(with(|c| c.columns = u32::MAX), "columns");
     assert_eq!(with(|c| c.approach = 3), "approach");
     assert_eq!(with(|c| c.beams = 0), "beams");
-    assert_eq!(with(|c| c.beams = 5), "beams");
+    assert_eq!(with(|c| c.beams = 6), "beams");
     assert_eq!(with(|c| c.wraps = 2), "wraps");
     assert_eq!(with(|c| c.closing = 2), "closing");
     assert_eq!(with(|c| c.trace_count = 0), "trace_count");
@@ -344,14 +344,136 @@ fn events_that_do_not_fit_are_counted() {
     }
 }
 
+/// An image whose arguments cannot be used is refused before the scan that is under way is dropped.
+#[test]
+fn images_that_cannot_be_taken_are_refused() {
+    let rows = 4;
+    for beams in [SCANSEG_NODDING_Y, SCANSEG_PINHOLE] {
+        let config = Config { beams, fx_px: 100.0, fy_px: 100.0, ..nodding(SCANSEG_PLANE) };
+        let mut session = Session::new(&config);
+        assert_eq!(session.push(&room_m(0, COLUMNS, 0.0), 0.0), SCANSEG_OK);
+        let ranges_m = vec![2.0_f32; rows * COLUMNS];
+        let mut turns_rad = vec![0.0, 0.01, 0.02, 0.03];
+        let mut work = vec![0_u32; 2 * (rows * COLUMNS + 1)];
+        let mut label = 77;
+        let segmenter = session.segmenter;
+        let mut call = |ranges_m: *const f32, rows, columns, turns_rad, work, size, labels: usize| {
+            let mut out = Output { labels: &raw mut label, label_capacity: labels, ..output() };
+            if labels == 0 {
+                out.labels = null_mut();
+            }
+            // SAFETY: arrays that are too small are refused before they are used.
+            unsafe {
+                scanseg_segment_image(segmenter, ranges_m, rows, columns, turns_rad, null(), work, size, &mut out)
+            }
+        };
+        let (r, t, w, size) = (ranges_m.as_ptr(), turns_rad.as_mut_ptr(), work.as_mut_ptr(), work.len());
+        for (expected, status) in [
+            (SCANSEG_ERROR_NULL, call(std::ptr::null(), rows, COLUMNS, t, w, size, 0)),
+            (SCANSEG_ERROR_NULL, call(r, rows, COLUMNS, t, null_mut(), size, 0)),
+            (SCANSEG_ERROR_ALIGNMENT, call(r, rows, COLUMNS, t.wrapping_byte_add(1), w, size, 0)),
+            (SCANSEG_ERROR_ROW_LENGTH, call(r, rows, COLUMNS - 1, t, w, size, 0)),
+            (SCANSEG_ERROR_TOO_MANY_ROWS, call(r, 65_536, COLUMNS, t, w, usize::MAX, 0)),
+            (SCANSEG_ERROR_TOO_MANY_ROWS, call(r, usize::MAX, COLUMNS, t, w, usize::MAX, 0)),
+            (SCANSEG_ERROR_WORK_SIZE, call(r, rows, COLUMNS, t, w, size - 1, 0)),
+            (SCANSEG_ERROR_LABELS_SIZE, call(r, rows, COLUMNS, t, w, size, 1)),
+        ] {
+            assert_eq!(status, expected);
+        }
+        // the scan goes on
+        assert_eq!(session.push(&room_m(1, COLUMNS, 0.0), 0.01), SCANSEG_OK);
+        // only a camera needs no angles
+        let without = call(r, rows, COLUMNS, null_mut(), w, size, 0);
+        assert_eq!(without, if beams == SCANSEG_PINHOLE { SCANSEG_OK } else { SCANSEG_ERROR_NULL });
+        assert_eq!(call(r, rows, COLUMNS, t, w, size, 0), SCANSEG_OK);
+        assert_eq!(call(r, 0, COLUMNS, t, w, size, 0), SCANSEG_OK);
+        turns_rad[2] = f32::NAN;
+        let t = turns_rad.as_mut_ptr();
+        assert_eq!(call(r, rows, COLUMNS, t, w, size, 0), SCANSEG_ERROR_TURN_ANGLE);
+        assert_eq!(label, 77);
+        // and the segmenter is ready for the next scan
+        session.labels.clear();
+        assert_eq!(session.push(&room_m(0, COLUMNS, 0.0), 0.0), SCANSEG_OK);
+    }
+}
+
+/// A callback that stops an image leaves what came so far.
+#[test]
+fn an_image_may_be_stopped() {
+    let session = Session::new(&nodding(SCANSEG_REGION));
+    let ranges_m: Vec<f32> = (0..ROWS).flat_map(|row| room_m(row, COLUMNS, 0.0)).collect();
+    let turns_rad: Vec<f32> = (0..ROWS).map(|row| 0.01 * row as f32).collect();
+    let (mut labels, mut work) = (vec![77; ranges_m.len()], vec![0; 2 * (ranges_m.len() + 1)]);
+    let mut seen = Reentry { segmenter: session.segmenter, statuses: vec![], answer: 1 };
+    let mut out = Output {
+        labels: labels.as_mut_ptr(),
+        label_capacity: labels.len(),
+        on_event: Some(reenter),
+        user: (&raw mut seen).cast(),
+        ..output()
+    };
+    let (r, t) = (ranges_m.as_ptr(), turns_rad.as_ptr());
+    // SAFETY: the segmenter of the session, and arrays of these sizes.
+    let status = unsafe {
+        scanseg_segment_image(session.segmenter, r, ROWS, COLUMNS, t, null(), work.as_mut_ptr(), work.len(), &mut out)
+    };
+    assert_eq!((status, seen.statuses.len()), (SCANSEG_STOPPED, 3));
+    assert!(seen.statuses.iter().all(|&s| s == SCANSEG_ERROR_BUSY));
+    let given = out.row_count as usize * COLUMNS;
+    assert!(given > 0 && labels[..given].iter().all(|&label| label != 77));
+    assert!(labels[given..].iter().all(|&label| label == 77));
+}
+
 #[test]
 fn every_status_has_its_words() {
     let words = |status| {
         // SAFETY: a constant of the library.
         unsafe { CStr::from_ptr(scanseg_strerror(status)) }.to_str().unwrap()
     };
-    let known: std::collections::HashSet<_> = (SCANSEG_ERROR_LABELS_SIZE..=SCANSEG_NO_PLANE).map(words).collect();
-    assert_eq!(known.len(), 17);
+    let known: std::collections::HashSet<_> = (SCANSEG_ERROR_ROW_BEAMS..=SCANSEG_NO_PLANE).map(words).collect();
+    assert_eq!(known.len(), 19);
     assert!(!known.contains("unknown status"));
-    assert_eq!([words(4), words(-14), words(i32::MIN)], ["unknown status"; 3]);
+    assert_eq!([words(4), words(-16), words(i32::MIN)], ["unknown status"; 3]);
+}
+
+/// Beams of a row that cannot be used are refused, and the row is not taken.
+#[test]
+fn beams_of_a_row() {
+    let ranges_m = [2.0; COLUMNS];
+    let mut beams = std::mem::MaybeUninit::<RowBeams>::uninit();
+    let size = size_of::<RowBeams>() as u32;
+    // SAFETY: room for one; initialised if that is said.
+    let good = unsafe {
+        assert_eq!(scanseg_row_beams_init(null_mut(), size, 0.0), SCANSEG_ERROR_NULL);
+        assert_eq!(scanseg_row_beams_init(beams.as_mut_ptr(), size - 4, 0.0), SCANSEG_ERROR_STRUCT_SIZE);
+        assert_eq!(scanseg_row_beams_init(beams.as_mut_ptr(), size, 0.1), SCANSEG_OK);
+        beams.assume_init()
+    };
+    let mut session = Session::new(&nodding(SCANSEG_PLANE));
+    let directions = [0.5f32; 3 * COLUMNS];
+    for (beams, status) in [
+        (RowBeams { struct_size: 3, ..good }, SCANSEG_ERROR_STRUCT_SIZE),
+        (RowBeams { turn_rad: f32::NAN, ..good }, SCANSEG_ERROR_TURN_ANGLE),
+        (RowBeams { offset_rad: 7.0, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { lever_arm_m: f32::NAN, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { sets: 0, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { sets: 256, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { direction_count: 3, ..good }, SCANSEG_ERROR_NULL),
+        (good, SCANSEG_OK),
+    ] {
+        assert_eq!(session.push_beams(&ranges_m, &beams), status, "{beams:?}");
+    }
+    let mut session = Session::new(&Config { beams: SCANSEG_FREE, ..nodding(SCANSEG_PLANE) });
+    let free = RowBeams { directions: directions.as_ptr(), direction_count: directions.len(), ..good };
+    for (beams, status) in [
+        (good, SCANSEG_ERROR_ROW_LENGTH),
+        (RowBeams { direction_count: directions.len() - 1, ..free }, SCANSEG_ERROR_ROW_LENGTH),
+        // no unit vectors
+        (free, SCANSEG_ERROR_ROW_BEAMS),
+    ] {
+        assert_eq!(session.push_beams(&ranges_m, &beams), status, "{beams:?}");
+    }
+    let lists =
+        Config { column_turns_rad: directions.as_ptr(), column_turn_count: COLUMNS as u32, ..nodding(SCANSEG_PLANE) };
+    assert_eq!(state_size(&lists), Err(SCANSEG_ERROR_CONFIG));
 }

@@ -135,6 +135,46 @@ static void wall(uint32_t approach) {
     free(memory);
 }
 
+/* Two walls with a post in front of one, in one call: few segments, whose pixels are those of their labels. */
+static void image(uint32_t approach) {
+    scanseg_config config = configuration(COLUMNS);
+    scanseg_segmenter *segmenter;
+    scanseg_output output = SCANSEG_OUTPUT_INIT;
+    static double memory[SCANSEG_STATE_SIZE(COLUMNS) / sizeof(double) + 1];
+    static float ranges_m[ROWS * COLUMNS], turns_rad[ROWS];
+    static uint32_t labels[ROWS * COLUMNS], work[SCANSEG_IMAGE_WORK(ROWS, COLUMNS)];
+    static scanseg_event events[1000];
+    unsigned total = 0;
+    config.approach = approach;
+    CHECK(scanseg_init(memory, sizeof memory, &config, &segmenter) == SCANSEG_OK);
+    for (int row = 0; row < ROWS; row++) {
+        turns_rad[row] = 0.01f * (float)(row - ROWS / 2);
+        for (int i = 0; i < COLUMNS; i++) ranges_m[row * COLUMNS + i] = i / 8 == 9 && row > 3 ? 1.0f : 2.0f;
+    }
+    output.labels = labels;
+    output.label_capacity = ROWS * COLUMNS;
+    output.events = events;
+    output.event_capacity = 1000;
+    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
+                                &output) == SCANSEG_OK);
+    CHECK(output.row_count == ROWS && output.event_count > 0 && output.events_lost == 0);
+    for (size_t i = 0; i < output.event_count; i++) {
+        unsigned pixels = 0;
+        for (size_t j = 0; j < ROWS * COLUMNS; j++) pixels += labels[j] == events[i].label;
+        CHECK(events[i].kind == SCANSEG_SEGMENT && pixels == events[i].pixels);
+        total += pixels;
+    }
+    CHECK(total > ROWS * COLUMNS / 2);
+    /* without arrays: the number of segments */
+    total = (unsigned)output.event_count;
+    output.labels = NULL;
+    output.events = NULL;
+    output.event_capacity = 0;
+    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
+                                &output) == SCANSEG_OK);
+    CHECK(output.event_count == 0 && output.events_lost == total);
+}
+
 static void misuse(void) {
     scanseg_config config = configuration(COLUMNS);
     scanseg_segmenter *segmenter;
@@ -171,7 +211,10 @@ static void misuse(void) {
 int main(void) {
     versions();
     sizes();
-    for (uint32_t approach = SCANSEG_PLANE; approach <= SCANSEG_REGION; approach++) wall(approach);
+    for (uint32_t approach = SCANSEG_PLANE; approach <= SCANSEG_REGION; approach++) {
+        wall(approach);
+        image(approach);
+    }
     misuse();
     printf("%d failures\n", failures);
     return failures != 0;

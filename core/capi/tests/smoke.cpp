@@ -50,5 +50,29 @@ int main() {
     CHECK(second.events()[0].pixels == 32);
     first = std::move(second);
     CHECK(first.reset() && first.finish() && first.output().scan_rows == 0);
+
+    // an image: a wall with a bar in front of it, more segments than there is room for at first, and then room
+    std::vector<float> image, turns;
+    for (int row = 0; row < 200; row++) {
+        turns.push_back(0.02F * static_cast<float>(row % 100) - 1.0F);
+        for (int column = 0; column < 8; column++) image.push_back(column == 3 ? 1.0F : 2.0F + 0.4F * static_cast<float>(row % 7));
+    }
+    CHECK(first.segment_image(image, turns) && first.rows() == 200 && first.labels().size() == 1600);
+    const std::size_t found = first.events().size();
+    CHECK(found > 1 && first.output().events_lost == 0);
+    for (const scanseg_event &event : first.events()) {
+        std::size_t pixels = 0;
+        for (std::uint32_t label : first.labels()) pixels += label == event.label;
+        CHECK(event.kind == SCANSEG_SEGMENT && pixels == event.pixels);
+    }
+    CHECK(first.segment_image(image, turns).code() == SCANSEG_OK && first.events().size() == found);
+    code = 0;
+    try {
+        (void)first.segment_image(image, plain);
+    } catch (const scanseg::Error &error) {
+        code = error.code;
+    }
+    CHECK(code == SCANSEG_ERROR_TURN_ANGLE);
+    CHECK(first.reset() && first.push_row(plain) && first.rows() == 1);
     return failures;
 }

@@ -14,7 +14,7 @@
 //! never taken for Phi.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::inverse_sqrt;
+use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, plus};
 use crate::beam::{Beams, Columns};
 use crate::edge::trace::Trace;
 use crate::row::bits::CHUNK;
@@ -38,7 +38,7 @@ impl BeamAngle {
     /// From Phi in radians, 0 to pi.
     #[must_use]
     pub fn from_rad(phi_rad: f32) -> BeamAngle {
-        BeamAngle { sin: libm::sinf(phi_rad), vers: vers(phi_rad) }
+        BeamAngle { sin: cos_sin(phi_rad).1, vers: vers(phi_rad) }
     }
 
     fn from_vers(vers: f32) -> BeamAngle {
@@ -48,7 +48,7 @@ impl BeamAngle {
 
 /// vers x = 1 - cos x, without cancellation.
 fn vers(x_rad: f32) -> f32 {
-    let s = libm::sinf(0.5 * x_rad);
+    let (_, s) = cos_sin(0.5 * x_rad);
     2.0 * s * s
 }
 
@@ -75,6 +75,8 @@ pub(crate) enum Pair {
     Listed { offset: isize, rows_vers: f32, scale: f32 },
     /// (u, v) of a pixel, less (du, dv), is that of the previous one.
     Pinhole { v: f32, du: f32, dv: f32 },
+    /// Rows that are not plain: from the directions of both beams.
+    Rays { offset: isize },
 }
 
 impl Pair {
@@ -88,13 +90,16 @@ impl Pair {
 
 impl Fan<'_> {
     /// What the angles between the beams of a trace's two pixels depend on besides the column.
-    pub fn pair(&self, trace: Trace, now: RowBeam, before: RowBeam) -> Pair {
+    pub fn pair(&self, trace: Trace, [now, before]: [RowBeam; 2]) -> Pair {
         let offset = isize::from(trace.columns);
+        if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
+            return Pair::Rays { offset };
+        }
+        let turn_rad = now.beams.turn_rad - before.beams.turn_rad;
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
             Beams::Nodding { columns, .. } => {
-                let turn_rad = now.turn_rad - before.turn_rad;
-                let turn_half_sin = libm::sinf(0.5 * turn_rad).abs();
+                let turn_half_sin = cos_sin(0.5 * turn_rad).1.abs();
                 if offset == 0 && turn_half_sin < MAX_HALF_SIN {
                     return Pair::Tilted { turn_half_sin };
                 }
@@ -102,13 +107,14 @@ impl Fan<'_> {
                 return Pair::Nodding { offset, turn_vers, column_vers: even_vers(columns, offset) };
             }
             Beams::Spinning { columns, .. } => {
-                let scale = libm::cosf(now.turn_rad) * libm::cosf(before.turn_rad);
-                (columns, vers(now.turn_rad - before.turn_rad), scale)
+                let scale = cos_sin(now.beams.turn_rad).0 * cos_sin(before.beams.turn_rad).0;
+                (columns, vers(turn_rad), scale)
             }
             &Beams::Pinhole { fx_px, fy_px, cy_px, .. } => {
                 let v = -(now.row as f32 - cy_px) / fy_px;
                 return Pair::Pinhole { v, du: -(offset as f32) / fx_px, dv: -f32::from(trace.rows) / fy_px };
             }
+            Beams::Free { .. } => return Pair::Rays { offset },
         };
         match even_vers(columns, offset) {
             Some(column_vers) => Pair::Same(BeamAngle::from_vers(rows_vers + scale * column_vers)),
@@ -176,19 +182,51 @@ impl Fan<'_> {
     }
 }
 
+/// What [`Fan::angles`] gives, of rows that are not plain: `rows` are this one and the one before on
+/// the trace, `before_m` the ranges of the latter.
+///
+/// ```text
+/// the line between the returns = (r1 - r0) d1 + r0 e,   e = d1 - d0 + (o1 - o0) / r0
+/// ```
+///
+/// for directions d and origins o. So sin Phi and vers Phi stand for |d1 x e| and d1 . e, which they
+/// are where both beams have one origin.
+#[inline(never)]
+pub(crate) fn rays(
+    fan: &Fan,
+    rows: [RowBeam; 2],
+    offset: isize,
+    [from, count]: [usize; 2],
+    before_m: &Lane,
+    [sin, vers_phi]: [&mut Lane; 2],
+) {
+    let [frame, frame_before] = rows.map(|row| fan.frame(row));
+    for i in 0..CHUNK {
+        let before = ((from + i) as isize - offset).checked_rem_euclid(count as isize).unwrap_or(0) as usize;
+        let [d1, o1] = fan.ray(&frame, (from + i).min(count - 1));
+        let [d0, o0] = fan.ray(&frame_before, before);
+        let (turned, moved) = (less(d1, d0), less(o1, o0));
+        let over = if before_m[i] > 0.0 { 1.0 / before_m[i] } else { 0.0 };
+        let across = cross(d1, plus(turned, over, moved));
+        let square = dot(across, across);
+        sin[i] = square * inverse_sqrt(square);
+        vers_phi[i] = 0.5 * dot(turned, turned) + over * dot(d1, moved);
+    }
+}
+
 /// vers of the difference of two column angles `offset` columns apart, if it is the same
 /// everywhere.
 fn even_vers(columns: &Columns, offset: isize) -> Option<f32> {
     match *columns {
         _ if offset == 0 => Some(0.0),
         Columns::Even { step_rad, .. } => Some(vers(offset as f32 * step_rad)),
-        Columns::Listed(_) => None,
+        Columns::Listed(_) | Columns::Beside { .. } => None,
     }
 }
 
 /// vers of the difference of listed column angles, of each column and the one `offset` to its left.
 fn listed_vers(columns: &Columns, from: usize, offset: isize, count: usize, out: &mut Lane) {
-    let Columns::Listed(list) = *columns else { return };
+    let list = columns.listed();
     for (i, out) in out.iter_mut().enumerate() {
         let before = ((from + i) as isize - offset).checked_rem_euclid(count as isize).unwrap_or(0) as usize;
         let pair = list.get(from + i).zip(list.get(before));

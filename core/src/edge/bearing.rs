@@ -14,12 +14,13 @@
 use crate::arithmetic::round;
 use crate::beam::Beams;
 use crate::config::Ranging;
-use crate::edge::beam_angle::{BeamAngle, MIN_BEAM_ANGLE_RAD, Pair};
+use crate::edge::beam_angle::{BeamAngle, MIN_BEAM_ANGLE_RAD, Pair, rays};
 use crate::edge::trace::Trace;
 use crate::error::ConfigError;
 use crate::row::bits::{CHUNK, load};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::within::at;
+use crate::row_beams::RowBeams;
 
 /// Bearing angles in images are whole counts of pi / 65535; 0 means none.
 pub const COUNTS_PER_RAD: f32 = 65535.0 / core::f32::consts::PI;
@@ -83,8 +84,8 @@ fn atan2(y: f32, x: f32) -> f32 {
 pub struct Row<'a> {
     /// Ranges in metres, one per column.
     pub ranges_m: &'a [f32],
-    /// Turn angle or elevation of the row, radians; not used with pinhole beams.
-    pub turn_rad: f32,
+    /// Where its beams point: most often just its turn angle or elevation.
+    pub beams: RowBeams<'a>,
     /// Number of the row; used with pinhole beams only.
     pub row: usize,
 }
@@ -116,8 +117,8 @@ pub fn bearing_row(
             return Err(ConfigError::Memory { field: "ranges_m", needed: columns, got });
         }
     }
-    let beam = |row: Row| RowBeam { row: row.row, turn_rad: row.turn_rad };
-    let mut lanes = TraceRow::new(&fan, trace, beam(now), beam(before), columns);
+    let rows = [now, before].map(|row| RowBeam { row: row.row, beams: row.beams });
+    let mut lanes = TraceRow::new(&fan, trace, rows, columns);
     for (i, out) in out.chunks_mut(CHUNK).enumerate() {
         let pairs = lanes.chunk(i * CHUNK, now.ranges_m, before.ranges_m);
         for (i, out) in out.iter_mut().enumerate() {
@@ -133,6 +134,8 @@ pub(crate) struct TraceRow<'a> {
     fan: &'a Fan<'a>,
     trace: Trace,
     columns: usize,
+    /// This row, and the one that the trace reaches back to.
+    rows: [RowBeam<'a>; 2],
     pair: Pair,
     sin: [f32; CHUNK],
     vers: [f32; CHUNK],
@@ -141,10 +144,10 @@ pub(crate) struct TraceRow<'a> {
 }
 
 impl<'a> TraceRow<'a> {
-    pub fn new(fan: &'a Fan<'a>, trace: Trace, now: RowBeam, before: RowBeam, columns: usize) -> Self {
-        let pair = fan.pair(trace, now, before);
+    pub fn new(fan: &'a Fan<'a>, trace: Trace, rows: [RowBeam<'a>; 2], columns: usize) -> Self {
+        let pair = fan.pair(trace, rows);
         let BeamAngle { sin, vers } = pair.same();
-        Self { fan, trace, columns, pair, sin: [sin; CHUNK], vers: [vers; CHUNK], copies: [[0.0; CHUNK]; 2] }
+        Self { fan, trace, columns, rows, pair, sin: [sin; CHUNK], vers: [vers; CHUNK], copies: [[0.0; CHUNK]; 2] }
     }
 
     /// The chunk that starts at column `from`. `before_m` is the row that the trace reaches back
@@ -163,6 +166,9 @@ impl<'a> TraceRow<'a> {
                 before_copy
             }
         };
+        if let Pair::Rays { offset } = self.pair {
+            rays(self.fan, self.rows, offset, [from, self.columns], before_m, [&mut self.sin, &mut self.vers]);
+        }
         Pairs { now_m, before_m, sin: &self.sin, vers: &self.vers }
     }
 }

@@ -3,8 +3,9 @@
 use core::f32::consts::{FRAC_PI_2, PI, SQRT_2};
 
 use crate::area::live_labels;
+use crate::beam::Beams;
 use crate::config::{Ranging, within};
-use crate::edge::rows::{BIT_ROWS, padded_row, stored_rows};
+use crate::edge::rows::{BIT_ROWS, padded_row, stored_row, stored_rows};
 use crate::edge::trace::{MAX_TRACE_ROWS, Trace};
 use crate::error::ConfigError;
 use crate::label::frontier_words;
@@ -112,11 +113,19 @@ impl<'a> EdgeConfig<'a> {
     #[must_use]
     pub const fn sizes(&self, columns: usize) -> Sizes {
         Sizes {
-            numbers: stored_rows(self.traces) * columns,
+            numbers: stored_rows(self.traces) * stored_row(columns, false),
             halves: 2 * self.traces.len() * padded_row(columns),
             words: BIT_ROWS * words(columns) + frontier_words(columns),
             areas: live_labels(columns),
         }
+    }
+
+    /// The memory that images of `columns` columns with these beams need: with [`Beams::Free`] more
+    /// than [`EdgeConfig::sizes`] says, for the directions of the rows that are kept.
+    #[must_use]
+    pub const fn sizes_for(&self, beams: &Beams, columns: usize) -> Sizes {
+        let free = matches!(beams, Beams::Free { .. });
+        Sizes { numbers: stored_rows(self.traces) * stored_row(columns, free), ..self.sizes(columns) }
     }
 
     /// The memory that images of `columns` columns need with a table of so many areas.

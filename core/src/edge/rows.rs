@@ -1,8 +1,13 @@
 //! The rows that the edge-based segmenter keeps, and how they lie in its memory.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
+use core::ops::Range;
+
 use crate::edge::trace::Trace;
 use crate::row::bits::{CHUNK, words};
+use crate::row::fan::RowBeam;
+use crate::row::within::{part, part_mut, split, split_mut};
+use crate::row_beams::{ColumnTurns, RowBeams};
 use crate::scan::MAX_LATENCY_ROWS;
 
 /// Rows between the row pushed and the row whose labels it decides: none of the approaches has
@@ -14,7 +19,7 @@ pub(crate) const fn padded_row(columns: usize) -> usize {
     (columns / CHUNK + 1) * CHUNK
 }
 
-/// Rows of ranges kept: as far back as a trace reaches, and until the labels are known.
+/// Rows kept: as far back as a trace reaches, and until the labels are known.
 pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
     let mut rows = LATENCY_ROWS;
     let mut i = 0;
@@ -25,6 +30,66 @@ pub(crate) const fn stored_rows(traces: &[Trace]) -> usize {
         i += 1;
     }
     rows
+}
+
+/// Numbers of a row that is kept: ranges, where its beams point, and directions if they are free.
+pub(crate) const fn stored_row(columns: usize, free: bool) -> usize {
+    columns + BEAMS + if free { 3 * columns } else { 0 }
+}
+
+/// Numbers that say where the beams of a row point, beside their directions.
+const BEAMS: usize = 6;
+
+/// Ranges of the last rows, 0 for no return, and where their beams point. Row q is at q % rows.
+#[derive(Debug)]
+pub(crate) struct StoredRows<'a> {
+    numbers: &'a mut [f32],
+    columns: usize,
+    stride: usize,
+}
+
+impl<'a> StoredRows<'a> {
+    /// `numbers` is whole rows of `stride`, at least one.
+    pub fn new(numbers: &'a mut [f32], columns: usize, stride: usize) -> Self {
+        Self { numbers, columns, stride }
+    }
+
+    fn place(&self, row: usize) -> Range<usize> {
+        // neither is 0, which the compiler does not know
+        let rows = self.numbers.len() / self.stride.max(1);
+        let start = row % rows.max(1) * self.stride;
+        start..start + self.stride
+    }
+
+    /// Keeps a row.
+    pub fn keep(&mut self, at: &RowBeam, ranges_m: impl Iterator<Item = f32>) {
+        let (place, columns) = (self.place(at.row), self.columns);
+        let (ranges, rest) = split_mut(part_mut(self.numbers, place), columns);
+        for (to, range_m) in ranges.iter_mut().zip(ranges_m) {
+            *to = range_m;
+        }
+        let (beams, directions) = split_mut(rest, BEAMS);
+        let RowBeams { turn_rad, offset_rad, lever_arm_m, column_turns, .. } = at.beams;
+        let ColumnTurns { step_rad, sets, set_rad } = column_turns;
+        let numbers = [turn_rad, offset_rad, lever_arm_m, step_rad, f32::from(sets), set_rad];
+        for (to, number) in beams.iter_mut().zip(numbers) {
+            *to = number;
+        }
+        for (to, direction) in directions.as_chunks_mut().0.iter_mut().zip(at.beams.directions) {
+            *to = *direction;
+        }
+    }
+
+    /// The ranges of a row that was kept, and its beams.
+    pub fn row(&self, row: usize) -> (&[f32], RowBeam<'_>) {
+        let (ranges, rest) = split(part(self.numbers, self.place(row)), self.columns);
+        let (beams, directions) = split(rest, BEAMS);
+        let [turn_rad, offset_rad, lever_arm_m, step_rad, sets, set_rad] =
+            beams.first_chunk().copied().unwrap_or_default();
+        let column_turns = ColumnTurns { step_rad, sets: sets as u8, set_rad };
+        let directions = directions.as_chunks().0;
+        (ranges, RowBeam { row, beams: RowBeams { turn_rad, offset_rad, column_turns, lever_arm_m, directions } })
+    }
 }
 
 /// Packed rows in the memory; see [`BitRows`].

@@ -17,9 +17,8 @@ use crate::config::Ranging;
 use crate::edge::bearing::TraceRow;
 use crate::edge::closing::Shape;
 use crate::edge::config::EdgeConfig;
-use crate::edge::rows::{BitRows, LATENCY_ROWS, padded_row, ring};
+use crate::edge::rows::{BitRows, LATENCY_ROWS, StoredRows, padded_row, ring, stored_row};
 use crate::edge::sobel::{GAP, Sobel, Thresholds, bearings};
-use crate::edge::trace::MAX_TRACE_ROWS;
 use crate::error::{ConfigError, PushError};
 use crate::label::{Growth, Labels, frontier_words};
 use crate::memory::Memory;
@@ -27,40 +26,28 @@ use crate::moments::Moments;
 use crate::row::bits::{CHUNK, load, mask, pack, runs};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::points::RowPoints;
-use crate::row::within::{at, part, part_mut, split_mut};
+use crate::row::within::{at, part_mut, split_mut};
+use crate::row_beams::RowBeams;
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 
 /// Segments a scan while it comes in, row by row, by the edges in its bearing-angle images.
 ///
-/// ```
-/// use core::ops::ControlFlow;
-/// use scanseg_core::{
-///     Beams, Columns, EdgeConfig, EdgeSegmenter, LabelRow, Segment, Segmenter, Sink, TurnAxis,
-///     buffers,
-/// };
+/// The [crate's front page](crate) has a whole program; with this configuration it is the same:
 ///
-/// struct Print;
-/// impl Sink for Print {
-///     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
-///         ControlFlow::Continue(())
-///     }
-///     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-///         println!("{}: {} pixels, {:?}", segment.label, segment.pixels(), segment.plane());
-///         ControlFlow::Continue(())
-///     }
-/// }
+/// ```
+/// use scanseg_core::{Beams, Columns, ConfigError, EdgeConfig, EdgeSegmenter, TurnAxis, buffers};
 ///
 /// const CONFIG: EdgeConfig = EdgeConfig::paper();
-/// let columns = Columns::Even { start_rad: -0.5, step_rad: 0.01 };
-/// let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-/// let mut buffers = <buffers!(101, CONFIG)>::EMPTY;
-/// let mut segmenter = EdgeSegmenter::new(CONFIG, beams, 101, buffers.memory())?;
-/// for row in 0..50 {
-///     segmenter.push_row(&[2.0; 101], 0.01 * row as f32, &mut Print)?;
+///
+/// fn main() -> Result<(), ConfigError> {
+///     let columns = Columns::Even { start_rad: -0.9, step_rad: 0.01 };
+///     let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
+///     let mut buffers = <buffers!(181, CONFIG)>::EMPTY;
+///     let segmenter = EdgeSegmenter::new(CONFIG, beams, 181, buffers.memory())?;
+///     println!("{segmenter:?}");
+///     Ok(())
 /// }
-/// segmenter.finish(&mut Print);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct EdgeSegmenter<'a> {
     config: EdgeConfig<'a>,
@@ -68,10 +55,7 @@ pub struct EdgeSegmenter<'a> {
     fan: Fan<'a>,
     shape: Shape,
     progress: Progress,
-    /// Turn angle of row q at q % len.
-    turns_rad: [f32; MAX_TRACE_ROWS as usize + 1],
-    /// Ranges of the last rows, row q at q % stored rows; 0 for no return.
-    ranges: &'a mut [f32],
+    rows: StoredRows<'a>,
     /// Per trace the bearing angles, in eighths, of two rows: row q at q % 2; where the image
     /// wraps, the first column also beyond the last.
     bearings: &'a mut [u16],
@@ -92,23 +76,20 @@ impl fmt::Debug for EdgeSegmenter<'_> {
 }
 
 impl Segmenter for EdgeSegmenter<'_> {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError> {
-        let row = self.progress.begin_row(ranges_m, turn_rad, self.shape.columns)?;
-        let turns = self.turns_rad.len();
-        self.turns_rad[row % turns] = turn_rad;
+        let ranging = self.config.ranging;
+        let beam = self.progress.begin_row(ranges_m, beams.into(), self.shape.columns, (&self.fan, &ranging))?;
+        let row = beam.row;
         for index in 0..self.config.traces.len() {
-            self.trace_row(index, row, Some(ranges_m));
+            self.trace_row(index, row, Some((ranges_m, beam)));
         }
         let done = self.decide(row, sink);
-        let stored = self.stored(row);
-        for (to, &range_m) in part_mut(self.ranges, stored).iter_mut().zip(ranges_m) {
-            *to = self.config.ranging.clean(range_m);
-        }
+        self.rows.keep(&beam, ranges_m.iter().map(|&range_m| ranging.clean(range_m)));
         Ok(match done {
             ControlFlow::Continue(None) => Status::Buffered,
             ControlFlow::Continue(Some(unlabelled)) => Status::Labelled { row: row - LATENCY_ROWS, unlabelled },
@@ -153,27 +134,17 @@ impl<'a> EdgeSegmenter<'a> {
     ) -> Result<Self, ConfigError> {
         config.check()?;
         let fan = Fan::new(beams, columns)?;
-        let needed = config.sizes(columns);
+        let needed = config.sizes_for(&beams, columns);
         memory.check(&needed)?;
-        let ranges = part_mut(memory.numbers, 0..needed.numbers);
+        let stride = stored_row(columns, matches!(beams, Beams::Free { .. }));
+        let rows = StoredRows::new(part_mut(memory.numbers, 0..needed.numbers), columns, stride);
         let bearings = part_mut(memory.halves, 0..needed.halves);
         let (frontier, bits) = split_mut(part_mut(memory.words, 0..needed.words), frontier_words(columns));
         let labels = Labels::new(memory.areas, frontier, config.ranging.max_range_m);
         let shape = Shape { columns, wraps: fan.wraps(), element: config.closing };
         let thresholds = Thresholds::new(&config);
-        let turns_rad = [0.0; MAX_TRACE_ROWS as usize + 1];
-        let mut segmenter = Self {
-            config,
-            thresholds,
-            fan,
-            shape,
-            progress: Progress::default(),
-            turns_rad,
-            ranges,
-            bearings,
-            bits,
-            labels,
-        };
+        let mut segmenter =
+            Self { config, thresholds, fan, shape, progress: Progress::default(), rows, bearings, bits, labels };
         segmenter.reset();
         Ok(segmenter)
     }
@@ -189,32 +160,25 @@ impl<'a> EdgeSegmenter<'a> {
         self.labels.finish(sink)
     }
 
-    /// Where the ranges of a row are stored.
-    fn stored(&self, row: usize) -> Range<usize> {
-        // neither is 0, which the compiler does not know
-        let rows = self.ranges.len() / self.shape.columns.max(1);
-        let start = row % rows.max(1) * self.shape.columns;
-        start..start + self.shape.columns
-    }
-
-    fn beam(&self, row: usize) -> RowBeam {
-        RowBeam { row, turn_rad: self.turns_rad[row % self.turns_rad.len()] }
-    }
-
     /// Bearing angles of row `row` along one trace, and with them the roof edges of the row before.
     /// `now` is `None` for the row below the image.
-    fn trace_row(&mut self, index: usize, row: usize, now: Option<&[f32]>) {
+    fn trace_row(&mut self, index: usize, row: usize, now: Option<(&[f32], RowBeam)>) {
         let Shape { columns, wraps, .. } = self.shape;
         let Some(&trace) = self.config.traces.get(index) else { return };
-        let before = row.checked_sub(usize::from(trace.rows));
-        let lanes = TraceRow::new(&self.fan, trace, self.beam(row), self.beam(before.unwrap_or(row)), columns);
-        let before = match before {
-            Some(before) if trace.rows > 0 => Some(part(self.ranges, self.stored(before))),
+        let kept = |row: usize| self.rows.row(row);
+        // below the image the beams do not matter
+        let here = now.map_or_else(|| kept(row).1, |(_, beam)| beam);
+        let (before, beam) = match row.checked_sub(usize::from(trace.rows)) {
+            Some(before) if trace.rows > 0 => {
+                let (ranges_m, beam) = kept(before);
+                (Some(ranges_m), beam)
+            }
             // above the image
-            None => Some(&[][..]),
-            _ => None,
+            None => (Some(&[][..]), here),
+            _ => (None, here),
         };
-        let ranging = self.config.ranging;
+        let lanes = TraceRow::new(&self.fan, trace, [here, beam], columns);
+        let (ranging, now) = (self.config.ranging, now.map(|(ranges_m, _)| ranges_m));
         let bearings = Bearings { ranging: &ranging, thresholds: self.thresholds, lanes, now, before };
 
         let mut rows = self.bearings.chunks_exact_mut(padded_row(columns).max(1)).skip(2 * index);
@@ -251,7 +215,8 @@ impl<'a> EdgeSegmenter<'a> {
         if done >= rows {
             return ControlFlow::Continue(None);
         }
-        let (ranges, frame) = (part(self.ranges, self.stored(done)), self.fan.frame(self.beam(done)));
+        let (ranges, beam) = self.rows.row(done);
+        let frame = self.fan.frame(beam);
         let BitRows { dilated, returns, mut areas, .. } = BitRows::of(self.bits, columns);
         let (even, odd) = areas.split_at_mut(1);
         let (current, before) =

@@ -40,10 +40,18 @@ pub(crate) struct Areas<'a> {
     pub axis: [f32; 3],
     /// The last turn between two areas that was not reported, radians.
     pub seam_rad: Option<f32>,
+    /// Whether areas of the first row stay until the end: the last row neighbours it.
+    round: bool,
 }
 
 impl<'a> Areas<'a> {
-    pub fn new(table: &'a mut [Area], tried: Tried<'a>, axis: [f32; 3], rules: &'static Rules) -> Areas<'a> {
+    pub fn new(
+        table: &'a mut [Area],
+        tried: Tried<'a>,
+        axis: [f32; 3],
+        rules: &'static Rules,
+        round: bool,
+    ) -> Areas<'a> {
         Self {
             rules,
             table,
@@ -58,6 +66,7 @@ impl<'a> Areas<'a> {
             turn_rad2: 0.0,
             axis,
             seam_rad: None,
+            round,
         }
     }
 
@@ -180,7 +189,7 @@ impl<'a> Areas<'a> {
         for _ in 0..self.fresh.min(LOOKED_AT) {
             count(1);
             self.hand = if self.hand + 1 < self.fresh { self.hand + 1 } else { 0 };
-            if self.marks(self.hand).state == ENDED {
+            if self.marks(self.hand).state == ENDED && !self.stays(self.hand) {
                 let points = self.get(self.hand).points;
                 best = if points < best.0 { (points, self.hand) } else { best };
                 ended += 1;
@@ -190,6 +199,11 @@ impl<'a> Areas<'a> {
             }
         }
         best.1
+    }
+
+    /// Whether an area is kept for the last row.
+    fn stays(&self, slot: u16) -> bool {
+        self.round && self.get(slot).first_row == 0
     }
 
     /// Joins two areas into one of that plane; gives its slot.
@@ -220,7 +234,7 @@ impl<'a> Areas<'a> {
     }
 
     /// After the joins of a row: every pixel refers to the area itself.
-    pub fn settle(&mut self, rows: [&mut [u16]; 2]) {
+    pub fn settle(&mut self, rows: [&mut [u16]; 3]) {
         if core::mem::take(&mut self.joined) {
             let mut last = (NONE, NONE);
             for slot in rows.into_iter().flatten().filter(|slot| **slot < FULL) {
@@ -252,7 +266,7 @@ impl<'a> Areas<'a> {
                 let sums = SegmentSums::Fitted { pixels: area.points, fitted: area.fitted() };
                 sink.segment(&area.segment(area.frontier, sums))?;
                 // smaller ones are never joined again
-                gone = area.points < self.rules.gap_points;
+                gone = area.points < self.rules.gap_points && !self.stays(slot);
                 self.set_marks(slot, &Marks { state: ENDED, ..marks });
             }
             if gone {

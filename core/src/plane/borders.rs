@@ -36,7 +36,7 @@ impl Areas<'_> {
         if !self.has_plane(slot) {
             return None;
         }
-        let u = row.beam(pixel.cos, pixel.sin);
+        let u = row.beam(pixel);
         let nearer = nearer(dot(u, self.m(slot)), pixel.range_m, row)?;
         self.count(slot, side, nearer);
         Some(nearer)
@@ -82,7 +82,7 @@ impl Areas<'_> {
         if above == slot {
             return;
         }
-        let u = row.beam(pixel.cos, pixel.sin);
+        let u = row.beam(pixel);
         let (q, inverse_m) = (dot(u, self.m(slot)), dot(u, self.m(above)));
         // 10 km
         if inverse_m > 1e-4

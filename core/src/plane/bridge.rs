@@ -4,12 +4,13 @@
 use core::ops::ControlFlow;
 
 use crate::arithmetic::dot;
+use crate::arithmetic::less;
 use crate::plane::areas::Areas;
 use crate::plane::rules::{BRIDGE_TRY, SURE};
 use crate::plane::work::count;
 use crate::sink::Sink;
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::{Factor, less};
+use crate::weighted::sums::Factor;
 
 /// An area whose other pieces are looked for.
 struct Piece {

@@ -8,7 +8,8 @@ use crate::plane::tried::tried_len;
 use crate::plane::turn::scratch_len;
 use crate::row::bits::words;
 
-/// Settings of [`PlaneSegmenter`](crate::PlaneSegmenter): nothing but what is known of the ranges.
+/// Settings of [`PlaneSegmenter`](crate::PlaneSegmenter): what is known of the ranges, and whether rows
+/// go round.
 ///
 /// ```
 /// use scanseg_core::{PlaneConfig, Ranging};
@@ -19,6 +20,11 @@ use crate::row::bits::words;
 pub struct PlaneConfig {
     /// Noise and limits of the ranges.
     pub ranging: Ranging,
+    /// Whether a scan is a full turn, whose last row neighbours its first one: the firings of a
+    /// spinning lidar, row by row, without end. Finish the scan with each turn: surfaces that it cuts
+    /// are joined, and every segment is complete at most one turn after its last pixel. Takes two
+    /// bytes more per column, and room in the table of areas for those of the first row.
+    pub round: bool,
     /// The tuned numbers of the method. They are no settings: [`Rules::TUNED`] serves every
     /// scanner. Others are for measuring what each is worth.
     pub rules: &'static Rules,
@@ -28,13 +34,19 @@ impl PlaneConfig {
     /// The default method for these ranges.
     #[must_use]
     pub const fn new(ranging: Ranging) -> PlaneConfig {
-        PlaneConfig { ranging, rules: &Rules::TUNED }
+        PlaneConfig { ranging, round: false, rules: &Rules::TUNED }
     }
 
     /// The same with other [`PlaneConfig::ranging`].
     #[must_use]
     pub const fn with_ranging(self, ranging: Ranging) -> Self {
         Self { ranging, ..self }
+    }
+
+    /// The same for scans that are full turns: [`PlaneConfig::round`].
+    #[must_use]
+    pub const fn with_full_turns(self) -> Self {
+        Self { round: true, ..self }
     }
 
     /// The same with other [`PlaneConfig::rules`].
@@ -57,8 +69,8 @@ impl PlaneConfig {
     pub const fn sizes_with(&self, columns: usize, areas: usize) -> Sizes {
         Sizes {
             numbers: scratch_len(columns),
-            // slots of two rows, cuts of a row
-            halves: 3 * columns,
+            // slots of two rows, cuts of a row, and slots of the first row
+            halves: if self.round { 4 * columns } else { 3 * columns },
             words: BIT_ROWS * words(columns) + tried_len(columns),
             areas,
         }

@@ -15,9 +15,10 @@ use core::ops::Range;
 use crate::arithmetic::dot;
 use crate::plane::areas::Areas;
 use crate::plane::rules::Rules;
-use crate::plane::scanline::{Along, Lanes, Scanline};
+use crate::plane::scanline::{Along, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::{CHUNK, VECTORS, pack_where};
+use crate::row::fan::Lanes;
 use crate::row::slots::NONE;
 use crate::row::within::{at, part, part_mut, put};
 
@@ -253,12 +254,13 @@ impl Best {
         let least = |a: f32, b: f32| if a < b { a } else { b };
         let errors = part_mut(&mut self.errors, pixels.clone());
         let slots = part_mut(&mut self.slots, pixels.clone());
-        let [range_m, cos, sin] = [&lanes.range_m, &lanes.cos, &lanes.sin].map(|lane| part(lane, pixels.clone()));
-        let beams = range_m.iter().zip(cos).zip(sin);
-        for ((known, best), ((&range_m, &cos), &sin)) in errors.iter_mut().zip(slots).zip(beams) {
+        let Lanes { range_m, cos, sin, beside } = lanes;
+        let [range_m, cos, sin, beside] = [range_m, cos, sin, beside].map(|lane| part(lane, pixels.clone()));
+        let beams = range_m.iter().zip(cos).zip(sin).zip(beside);
+        for ((known, best), (((&range_m, &cos), &sin), &beside)) in errors.iter_mut().zip(slots).zip(beams) {
             // p . m, and how the range error changes with the turn angle
             let range_m = range_m - offset_m;
-            let q = range_m * (cos * a_now + sin * b + k);
+            let q = range_m * (cos * a_now + sin * b + beside * turned + k);
             let error_m = range_m * (q - 1.0);
             let square_m2 = range_m * range_m;
             // tan(incidence), squared

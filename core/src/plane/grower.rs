@@ -51,7 +51,7 @@ impl Grower<'_> {
             if slot < FULL {
                 let run = start..end;
                 let mut fitted = areas.fitted(slot);
-                let (sums, errors) = self.line.sums::<false>(run.clone(), fitted.m, &mut self.cached);
+                let (sums, errors) = self.line.sums(false, run.clone(), fitted.m, &mut self.cached);
                 fitted.extend(&sums, &errors);
                 areas.extend(slot, &run, &fitted, self.points(&run));
             }

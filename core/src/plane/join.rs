@@ -6,16 +6,17 @@
 
 use core::ops::{ControlFlow, Range};
 
+use crate::arithmetic::cross;
 use crate::arithmetic::dot;
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
-use crate::plane::rules::{MOST_RATIO, TRIED_AREAS};
+use crate::plane::rules::{MEETS, MOST_RATIO, TRIED_AREAS};
 use crate::plane::tried::Grown;
 use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
 use crate::sink::Sink;
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::{Sums, cross};
+use crate::weighted::sums::Sums;
 
 impl Areas<'_> {
     /// Squares for each point that the turn angle explains, on a plane m.
@@ -30,10 +31,13 @@ impl Areas<'_> {
 
     /// How badly a line fits an area, and the common plane; `None` if it does not fit.
     fn takes(&self, slot: u16, line: &Fitted, points: u32) -> Option<(f32, Fitted)> {
-        // most of what is no surface is told by its range, which is quick
+        // most of what is no surface is told by its range, which is quick. The mean beam of a wide
+        // line, less what its pixels share, may pass its plane by or meet it behind the scanner:
+        // there ranges tell nothing
         let u = line.sums.c;
         let (one, other) = (dot(u, line.m), dot(u, self.m(slot)));
-        if one > MOST_RATIO * other || other > MOST_RATIO * one {
+        let far = one > MOST_RATIO * other || other > MOST_RATIO * one;
+        if far && one > 0.0 && one * one > MEETS * dot(line.m, line.m) {
             return None;
         }
         let common = self.fitted(slot).with(line);

@@ -8,7 +8,7 @@
 use core::ops::Range;
 
 use crate::arithmetic::inverse_sqrt;
-use crate::plane::rules::{CANDIDATE_CUTS, Rules};
+use crate::plane::rules::{CANDIDATE_CUTS, LEAN, Rules};
 use crate::plane::scanline::{At, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::VECTORS;
@@ -140,7 +140,10 @@ pub(crate) fn lines(
             continue;
         }
         let inverse_m = 1.0 / pixel.range_m;
-        let root = inverse_sqrt(row.alike_px * row.variance.at(pixel.range_m)) * (pixel.range_m * pixel.range_m);
+        // how the line leans across the row is not known
+        let lean_m = LEAN * pixel.range_m * pixel.beside;
+        let variance_m2 = row.variance.at(pixel.range_m) + lean_m * lean_m;
+        let root = inverse_sqrt(row.alike_px * variance_m2) * (pixel.range_m * pixel.range_m);
         count(CANDIDATE_CUTS);
         let newest = cuts.begin(column, cost, &pixel, inverse_m);
         cuts.add(&pixel, inverse_m, root);

@@ -3,9 +3,10 @@
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::plane::noise::Variance;
-use crate::plane::rules::Rules;
-use crate::plane::scanline::{Lanes, Scanline};
+use crate::plane::rules::{LEAN, Rules};
+use crate::plane::scanline::Scanline;
 use crate::row::bits::{CHUNK, VECTORS};
+use crate::row::fan::Lanes;
 
 /// Ranges are told apart in so many classes: up to 2 m, 4 m, 8 m, and beyond.
 const CLASSES: usize = 4;
@@ -95,7 +96,10 @@ impl Measured {
             let d = inverse[l] * alpha + inverse[r] * beta - inverse[i] * gamma;
             let range_m = lanes.range_m[i];
             let square_m2 = range_m * range_m;
-            let expected = row.variance.at(range_m) * (alpha * alpha + beta * beta + gamma * gamma);
+            // how the line leans across the row is not known
+            let beside = lanes.beside[l] * alpha + lanes.beside[r] * beta - lanes.beside[i] * gamma;
+            let lean_m = LEAN * range_m * beside;
+            let expected = row.variance.at(range_m) * (alpha * alpha + beta * beta + gamma * gamma) + lean_m * lean_m;
             let all = (lanes.range_m[l] > 0.0) & (lanes.range_m[r] > 0.0) & (range_m > 0.0);
             squares[i] = if all { d * d * square_m2 * square_m2 / expected } else { -1.0 };
         }

@@ -94,7 +94,7 @@ fn join_at<S: Sink + ?Sized>(
         }
         let (one, other) = (areas.root(slot), areas.root(other));
         if one != other && areas.has_plane(one) && areas.has_plane(other) && areas.is_due(one, other) {
-            areas.join_neighbour(one, other, row.beam(here.cos, here.sin), &row.variance, sink)?;
+            areas.join_neighbour(one, other, row.beam(&here), &row.variance, sink)?;
         }
     }
     ControlFlow::Continue(())

@@ -41,6 +41,10 @@ pub(crate) const LAST_BRIDGES: u32 = 16;
 /// round. It saves a sixth of the work on noise alone.
 pub(crate) const MOST_RATIO: f32 = 1.5;
 
+/// Squared cosine of the largest incidence, 84 deg, at which the range of a line along its mean beam
+/// is told.
+pub(crate) const MEETS: f32 = 0.01;
+
 /// Tangent by which lines are taken to lean across the row until they have a plane: 72 deg.
 pub(crate) const LEAN: f32 = 3.0;
 

@@ -3,15 +3,15 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::dot;
+use crate::arithmetic::{dot, less, plus};
 use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::LEAN;
-use crate::plane::scanline::{Along, At, Cached, Lanes, Scanline};
+use crate::plane::scanline::{Along, At, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::{CHUNK, VECTORS};
-use crate::row::fan::Frame;
+use crate::row::fan::{Frame, Lanes};
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::{Errors, Sums, less, plus};
+use crate::weighted::sums::{Errors, Sums};
 
 /// One over the range at which a plane is met is at least this share of what was measured: beyond,
 /// it is no plane that the pixel could lie on.
@@ -44,16 +44,29 @@ struct Weighing {
     alike: f32,
     /// A beam of the run, near its middle.
     middle: At,
+    /// Whether beams lie beside the plane of the row.
+    beside: bool,
+}
+
+/// Sums over the pixels of a run.
+struct RunSums {
+    /// Of w, w c, w s, w e, and of the products of the latter with c, s and e: see
+    /// [`Weighing::terms`].
+    plain: [Eight; 10],
+    /// Of w t, and of its products with c, s, t and e. Left out in plain rows.
+    beside: [Eight; 5],
 }
 
 impl Weighing {
-    /// Weight, cosine and sine of the beam less those in the middle, and error of a pixel with a
-    /// return. `FIRST`: the plane is not known well enough to linearise about it.
+    /// Weight w, parts c, s and t of the beam along the row's axes less those in the middle, and
+    /// error e of a pixel with a return. `first`: the plane is not known well enough to linearise
+    /// about it.
     #[inline(always)]
-    fn terms<const FIRST: bool>(&self, r: f32, cos: f32, sin: f32) -> [f32; 4] {
-        let Weighing { along: Along { a, b, k, .. }, steep, variance, spread, alike, middle } = self;
-        let predicted = cos * a + sin * b + k;
-        let (q, range_m2) = if FIRST {
+    fn terms(&self, first: bool, pixel: At) -> [f32; 5] {
+        let Weighing { along: Along { a, b, k, turned }, steep, variance, spread, alike, middle, .. } = self;
+        let At { cos, sin, beside, range_m: r } = pixel;
+        let predicted = cos * a + sin * b + beside * turned + k;
+        let (q, range_m2) = if first {
             (1.0 / r, r * r)
         } else {
             let q = if predicted * r > LEAST_SHARE { predicted } else { LEAST_SHARE / r };
@@ -65,28 +78,39 @@ impl Weighing {
         let variance_m2 = variance.at(r) + spread.at(range_m2, tan_square);
         let weight = 1.0 / (variance_m2 * q2 * q2 * alike);
         // what 1 / r is more than the plane has it
-        let error = if FIRST { q - predicted } else { q * (1.0 - r * q) };
-        [weight, cos - middle.cos, sin - middle.sin, error]
+        let error = if first { q - predicted } else { q * (1.0 - r * q) };
+        [weight, cos - middle.cos, sin - middle.sin, beside - middle.beside, error]
     }
 
-    /// Adds the returns of a chunk from number `from` up to `to` to the sums of w, w c, w s, w e, and
-    /// of the products of the latter with c, s and e: see [`Weighing::terms`].
+    /// Adds the returns of a chunk from number `from` up to `to`.
     #[inline(always)]
-    fn add<const FIRST: bool>(&self, from: usize, to: usize, lanes: &Lanes, sums: &mut [Eight; 10]) {
+    fn add(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
         if VECTORS {
             for block in from / LANES..to.div_ceil(LANES) {
-                self.add_eight::<FIRST>(block, [from as f32, to as f32], lanes, sums);
+                let part = [from as f32, to as f32];
+                if first {
+                    self.add_eight::<true>(block, part, lanes, sums);
+                } else {
+                    self.add_eight::<false>(block, part, lanes, sums);
+                }
             }
             return;
         }
-        let pixels = lanes.range_m.iter().zip(&lanes.cos).zip(&lanes.sin).enumerate().take(to).skip(from);
-        for (i, ((&range_m, &cos), &sin)) in pixels {
+        let Lanes { cos, sin, beside, range_m } = lanes;
+        let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
+        for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
             if range_m > 0.0 {
-                let [w, c, s, e] = self.terms::<FIRST>(range_m, cos, sin);
+                let [w, c, s, t, e] = self.terms(first, At { cos, sin, beside, range_m });
                 let (wc, ws, we) = (w * c, w * s, w * e);
                 let terms = [w, wc, ws, we, wc * c, wc * s, ws * s, we * c, we * s, we * e];
-                for (sum, term) in sums.iter_mut().zip(terms) {
+                for (sum, term) in sums.plain.iter_mut().zip(terms) {
                     sum[i % LANES] += term;
+                }
+                if self.beside {
+                    let wt = w * t;
+                    for (sum, term) in sums.beside.iter_mut().zip([wt, wt * c, wt * s, wt * t, wt * e]) {
+                        sum[i % LANES] += term;
+                    }
                 }
             }
         }
@@ -94,19 +118,27 @@ impl Weighing {
 
     /// The same of eight pixels side by side.
     #[inline(always)]
-    fn add_eight<const FIRST: bool>(&self, block: usize, [from, to]: [f32; 2], lanes: &Lanes, sums: &mut [Eight; 10]) {
+    fn add_eight<const FIRST: bool>(&self, block: usize, [from, to]: [f32; 2], lanes: &Lanes, sums: &mut RunSums) {
         let pick = |lane: &[f32; CHUNK]| -> Eight { lane.as_chunks::<LANES>().0[block % (CHUNK / LANES)] };
-        let (ranges_m, cosines, sines, numbers) =
-            (pick(&lanes.range_m), pick(&lanes.cos), pick(&lanes.sin), pick(&NUMBERS));
-        let [mut w, mut c, mut s, mut e] = [[0.0; LANES]; 4];
+        let [ranges_m, cosines, sines, besides, numbers] =
+            [&lanes.range_m, &lanes.cos, &lanes.sin, &lanes.beside, &NUMBERS].map(pick);
+        let [mut w, mut c, mut s, mut t, mut e] = [[0.0; LANES]; 5];
         for j in 0..LANES {
             let inside = (ranges_m[j] > 0.0) & (numbers[j] >= from) & (numbers[j] < to);
-            let r = if inside { ranges_m[j] } else { 1.0 };
-            let terms = self.terms::<FIRST>(r, cosines[j], sines[j]);
-            [w[j], c[j], s[j], e[j]] = terms;
+            let range_m = if inside { ranges_m[j] } else { 1.0 };
+            let pixel = At { cos: cosines[j], sin: sines[j], beside: besides[j], range_m };
+            [w[j], c[j], s[j], t[j], e[j]] = self.terms(FIRST, pixel);
             w[j] = if inside { w[j] } else { 0.0 };
         }
-        accumulate(&[w, c, s, e], sums);
+        accumulate(&[w, c, s, e], &mut sums.plain);
+        if self.beside {
+            let wt: Eight = core::array::from_fn(|j| w[j] * t[j]);
+            for (sum, term) in sums.beside.iter_mut().zip([[1.0; LANES], c, s, t, e]) {
+                for j in 0..LANES {
+                    sum[j] += wt[j] * term[j];
+                }
+            }
+        }
     }
 }
 
@@ -130,7 +162,8 @@ fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(target_os = "none"), inline(always))]
+#[cfg_attr(target_os = "none", inline(never))] // in 15 places it takes 1 KB
 fn total(l: Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
@@ -138,14 +171,21 @@ fn total(l: Eight) -> f32 {
 /// The sums without what all pixels of a row share: its turn, or the offset of its ring. The error
 /// of a pixel changes with it by `slope[0]`, and by `slope[1]` more for each 1 of c. `variance` is
 /// that of what is shared.
-fn without_shared(sums: [f32; 10], slope: [f32; 2], variance: f32) -> [f32; 10] {
+fn without_shared(sums: [f32; 10], beside: &mut [f32; 5], slope: [f32; 2], variance: f32) -> [f32; 10] {
     let [w, c, s, e, cc, cs, ss, ec, es, ee] = sums;
     let [at, per] = slope;
     // weighted sums of the slope, and of its products with c, s and e
     let (h, hc, hs, he) = (at * w + per * c, at * c + per * cc, at * s + per * cs, at * e + per * ec);
-    let share = variance / (1.0 + variance * (at * h + per * hc));
+    let off = 1.0 + variance * (at * h + per * hc);
+    let share = variance / off;
+    let ht = at * beside[0] + per * beside[1];
+    for (sum, with) in beside.iter_mut().zip([h, hc, hs, ht, he]) {
+        *sum -= share * ht * with;
+    }
+    // by Cauchy and Schwarz so much is left, where the difference has no digits
+    let (left, least) = (w - share * h * h, w / off);
     [
-        w - share * h * h,
+        if left > least { left } else { least },
         c - share * h * hc,
         s - share * h * hs,
         e - share * h * he,
@@ -159,9 +199,10 @@ fn without_shared(sums: [f32; 10], slope: [f32; 2], variance: f32) -> [f32; 10] 
 }
 
 impl Scanline<'_> {
-    /// Sums over the returns of a run, and their errors against the plane m.
+    /// Sums over the returns of a run, and their errors against the plane m; `first`: it is not known
+    /// well enough to linearise about it.
     #[inline(never)]
-    pub fn sums<const FIRST: bool>(&self, run: Range<usize>, m: [f32; 3], cached: &mut Cached) -> (Sums, Errors) {
+    pub fn sums(&self, first: bool, run: Range<usize>, m: [f32; 3], cached: &mut Cached) -> (Sums, Errors) {
         count(run.len());
         let along = self.along(m);
         // of its first chunk, which is read first
@@ -174,14 +215,15 @@ impl Scanline<'_> {
             spread: self.spread,
             alike: self.alike_px * self.alike_px,
             middle,
+            beside: !self.frame.plain,
         };
-        let mut sums = [[0.0; LANES]; 10];
+        let mut sums = RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] };
         let mut at = run.start;
         while at < run.end {
             let (lanes, i) = cached.lanes(self, at);
             let end = run.end.min((at / CHUNK + 1) * CHUNK);
             let last = i + end - at;
-            weighing.add::<FIRST>(i, last, lanes, &mut sums);
+            weighing.add(first, i, last, lanes, &mut sums);
             at = end;
         }
         let slope = if self.fan.spins() {
@@ -189,33 +231,40 @@ impl Scanline<'_> {
             [q * q, 0.0]
         } else {
             // how a line leans across the row is not known
-            let per = if FIRST { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
+            let per = if first { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
             [per * middle.cos, per]
         };
-        let sums = sums.map(total);
+        let mut beside = sums.beside.map(total);
+        let sums = sums.plain.map(total);
         let all = sums[0];
-        let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, slope, self.off2);
+        let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, &mut beside, slope, self.off2);
+        let [t, ct, st, tt, et] = beside;
         let per = if w > 0.0 { 1.0 / w } else { 0.0 };
-        let (mc, ms) = (c * per, s * per);
+        let (mc, ms, mt) = (c * per, s * per, t * per);
         let (cc, cs, ss) = (cc - c * mc, cs - c * ms, ss - s * ms);
-        let (ec, es) = (ec - e * mc, es - e * ms);
-        let Frame { p, q, r } = self.frame;
-        let (fc, fs) = (middle.cos + mc, middle.sin + ms);
-        let pair = |i: usize, j: usize| cc * p[i] * p[j] + cs * (p[i] * q[j] + q[i] * p[j]) + ss * q[i] * q[j];
+        let (ct, st, tt) = (ct - c * mt, st - s * mt, tt - t * mt);
+        let (ec, es, et) = (ec - e * mc, es - e * ms, et - e * mt);
+        let Frame { p, q, r, t, plain, .. } = self.frame;
+        let (fc, fs, ft) = (middle.cos + mc, middle.sin + ms, middle.beside + mt);
+        let pair = |i: usize, j: usize| {
+            let both = |a: [f32; 3], b: [f32; 3]| a[i] * b[j] + b[i] * a[j];
+            let pair = cc * p[i] * p[j] + cs * both(p, q) + ss * q[i] * q[j];
+            if plain { pair } else { pair + ct * both(p, t) + st * both(q, t) + tt * t[i] * t[j] }
+        };
         let sums = Sums {
             w,
             all,
-            c: [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + r[i]),
+            c: [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + ft * t[i] + r[i]),
             s: [pair(0, 0), pair(1, 1), pair(2, 2), pair(0, 1), pair(0, 2), pair(1, 2)],
         };
-        (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i]), squares: ee })
+        (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i] + et * t[i]), squares: ee })
     }
 
     /// The plane of a line of this row, which begins and ends with a return.
     pub fn fitted(&self, run: Range<usize>, cached: &mut Cached) -> Fitted {
         let [first, last] = [run.start, run.end - 1].map(|column| cached.lone(self, column));
         // to begin with the plane through both ends that leans least across the row
-        let [u, v] = [first, last].map(|end| self.beam(end.cos, end.sin));
+        let [u, v] = [first, last].map(|end| self.beam(&end));
         let d = less(v, u);
         let square = dot(d, d);
         let middle = plus(u, 0.5, d);
@@ -224,7 +273,7 @@ impl Scanline<'_> {
         let (q0, q1) = (1.0 / first.range_m, 1.0 / last.range_m);
         let slope = if square > 1e-12 { (q1 - q0) / square } else { 0.0 };
         let m = core::array::from_fn(|i| 0.5 * (q0 + q1) / size * middle[i] + slope * d[i]);
-        let (sums, errors) = self.sums::<true>(run, m, cached);
+        let (sums, errors) = self.sums(true, run, m, cached);
         Fitted::first(sums, m, &errors)
     }
 }

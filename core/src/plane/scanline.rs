@@ -5,7 +5,7 @@ use crate::arithmetic::dot;
 use crate::config::Ranging;
 use crate::plane::noise::{Spread, Variance};
 use crate::row::bits::{CHUNK, VECTORS};
-use crate::row::fan::{Fan, Frame};
+use crate::row::fan::{Fan, Frame, Lanes};
 use crate::row::within::{at, split_mut};
 
 /// Nearer returns count as being there, metres: the fourth power of a range is a number.
@@ -15,9 +15,7 @@ const LEAST_RANGE_M: f32 = 1e-3;
 pub(crate) struct Scanline<'a> {
     pub ranging: &'a Ranging,
     pub fan: &'a Fan<'a>,
-    pub frame: Frame,
-    /// How the part p of the frame turns as the row turns.
-    pub turns: [f32; 3],
+    pub frame: Frame<'a>,
     pub ranges_m: &'a [f32],
     pub wraps: bool,
     /// Variance of a range.
@@ -39,8 +37,8 @@ pub(crate) struct Scanline<'a> {
     pub gap_columns: usize,
 }
 
-/// A plane in one row: u . m = a cos + b sin + k, and `turned` cos more for each radian that the
-/// row turns.
+/// A plane in one row: u . m = a cos + b sin + turned beside + k, and `turned` cos more for each
+/// radian that the row turns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Along {
     pub a: f32,
@@ -52,8 +50,8 @@ pub(crate) struct Along {
 impl Scanline<'_> {
     /// A plane u . m = 1 / r in this row.
     pub fn along(&self, m: [f32; 3]) -> Along {
-        let Frame { p, q, r } = self.frame;
-        let [a, b, k, turned] = [p, q, r, self.turns].map(|along| dot(along, m));
+        let Frame { p, q, r, t, .. } = self.frame;
+        let [a, b, k, turned] = [p, q, r, t].map(|along| dot(along, m));
         Along { a, b, k, turned }
     }
 
@@ -66,7 +64,7 @@ impl Scanline<'_> {
             *to = self.known(range_m);
         }
         past.fill(0.0);
-        self.fan.row_lanes(&self.frame, from, &mut lanes.cos, &mut lanes.sin);
+        self.fan.lanes(&self.frame, from, lanes);
     }
 
     /// The range of a return, 0 for none.
@@ -83,10 +81,10 @@ impl Scanline<'_> {
         if near { LEAST_RANGE_M } else { range_m }
     }
 
-    /// The direction of a beam.
-    pub fn beam(&self, cos: f32, sin: f32) -> [f32; 3] {
-        let Frame { p, q, r } = self.frame;
-        core::array::from_fn(|i| cos * p[i] + sin * q[i] + r[i])
+    /// The direction of the beam of a pixel.
+    pub fn beam(&self, pixel: &At) -> [f32; 3] {
+        let Frame { p, q, r, t, .. } = self.frame;
+        core::array::from_fn(|i| pixel.cos * p[i] + pixel.sin * q[i] + pixel.beside * t[i] + r[i])
     }
 
     /// The column so many to the right, if it is there.
@@ -100,24 +98,12 @@ impl Scanline<'_> {
     }
 }
 
-/// One chunk of a row.
-pub(crate) struct Lanes {
-    /// Of the beams within their row; see [`Fan::row_lanes`].
-    pub cos: [f32; CHUNK],
-    pub sin: [f32; CHUNK],
-    /// 0 for no return, and outside of the image.
-    pub range_m: [f32; CHUNK],
-}
-
-impl Lanes {
-    pub const EMPTY: Lanes = Lanes { cos: [0.0; CHUNK], sin: [0.0; CHUNK], range_m: [0.0; CHUNK] };
-}
-
-/// A pixel: cosine and sine of its beam within its row, and its range, 0 for no return.
+/// A pixel: its beam within its row, as [`Lanes`] have it, and its range, 0 for no return.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct At {
     pub cos: f32,
     pub sin: f32,
+    pub beside: f32,
     pub range_m: f32,
 }
 
@@ -144,13 +130,13 @@ impl Cached {
     #[inline(always)]
     pub fn at(&mut self, row: &Scanline, column: usize) -> At {
         let (lanes, i) = self.lanes(row, column);
-        At { cos: lanes.cos[i], sin: lanes.sin[i], range_m: lanes.range_m[i] }
+        At { cos: lanes.cos[i], sin: lanes.sin[i], beside: lanes.beside[i], range_m: lanes.range_m[i] }
     }
 
     /// A pixel that is needed alone: its chunk is not read for it where that costs more.
     #[inline(never)]
     pub fn lone(&mut self, row: &Scanline, column: usize) -> At {
-        if VECTORS {
+        if VECTORS || !row.frame.plain {
             return self.at(row, column);
         }
         let i = column % CHUNK;
@@ -159,6 +145,6 @@ impl Cached {
         } else {
             row.fan.row_beam(&row.frame, column)
         };
-        At { cos, sin, range_m: row.range_m(column) }
+        At { cos, sin, beside: 0.0, range_m: row.range_m(column) }
     }
 }

@@ -23,7 +23,7 @@ use core::ops::ControlFlow;
 use crate::beam::Beams;
 use crate::error::{ConfigError, PushError};
 use crate::memory::Memory;
-use crate::plane::areas::Areas;
+use crate::plane::areas::{Areas, FULL};
 use crate::plane::carried::Carried;
 use crate::plane::config::PlaneConfig;
 use crate::plane::follow::{Followed, follow};
@@ -39,41 +39,28 @@ use crate::row::bits::{CHUNK, load, pack_where, words};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::slots::NONE;
 use crate::row::within::{at, part_mut, split_mut};
+use crate::row_beams::RowBeams;
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
-use crate::weighted::sums::cross;
 
 /// Segments a scan while it comes in, row by row, by planes that go on from row to row. Its latency
 /// is 0 rows.
 ///
+/// The [crate's front page](crate) has a whole program.
+///
 /// ```
-/// use core::ops::ControlFlow;
-/// use scanseg_core::{
-///     Beams, Columns, LabelRow, PlaneConfig, PlaneSegmenter, Ranging, Segment, Segmenter, Sink,
-///     TurnAxis, buffers,
-/// };
+/// use scanseg_core::{Beams, ConfigError, PlaneConfig, PlaneSegmenter, Ranging, buffers};
 ///
-/// struct Print;
-/// impl Sink for Print {
-///     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
-///         ControlFlow::Continue(())
-///     }
-///     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-///         println!("{}: {} pixels, {:?}", segment.label, segment.pixels(), segment.plane());
-///         ControlFlow::Continue(())
-///     }
-/// }
+/// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.005)); // 5 mm of noise
 ///
-/// const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
-/// let columns = Columns::Even { start_rad: -0.5, step_rad: 0.01 };
-/// let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
-/// let mut buffers = <buffers!(101, CONFIG)>::EMPTY;
-/// let mut segmenter = PlaneSegmenter::new(CONFIG, beams, 101, buffers.memory())?;
-/// for row in 0..50 {
-///     segmenter.push_row(&[2.0; 101], 0.01 * row as f32, &mut Print)?;
+/// fn main() -> Result<(), ConfigError> {
+///     // a depth camera of 640 columns
+///     let beams = Beams::Pinhole { fx_px: 575.8, fy_px: 575.8, cx_px: 319.5, cy_px: 239.5 };
+///     let mut buffers = <buffers!(640, CONFIG)>::EMPTY;
+///     let segmenter = PlaneSegmenter::new(CONFIG, beams, 640, buffers.memory())?;
+///     println!("{segmenter:?}");
+///     Ok(())
 /// }
-/// segmenter.finish(&mut Print);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct PlaneSegmenter<'a> {
     config: PlaneConfig,
@@ -84,8 +71,10 @@ pub struct PlaneSegmenter<'a> {
     progress: Progress,
     turns: Turns,
     scratch: &'a mut [f32],
-    /// Slots of this row and above it, cuts of a row.
+    /// Slots of this row and above it, cuts of a row, and slots of the first row.
     slots: &'a mut [u16],
+    /// Turn angle of the first row, radians.
+    first_rad: f32,
     bits: &'a mut [u32],
     areas: Areas<'a>,
 }
@@ -102,17 +91,17 @@ impl fmt::Debug for PlaneSegmenter<'_> {
 }
 
 impl Segmenter for PlaneSegmenter<'_> {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError> {
-        let row = self.progress.begin_row(ranges_m, turn_rad, self.columns)?;
-        Ok(match self.grow(RowBeam { row, turn_rad }, ranges_m, sink) {
+        let beam = self.progress.begin_row(ranges_m, beams.into(), self.columns, (&self.fan, &self.config.ranging))?;
+        Ok(match self.grow(beam, ranges_m, sink) {
             ControlFlow::Continue(unlabelled) => {
                 self.progress.labelled(unlabelled);
-                Status::Labelled { row, unlabelled }
+                Status::Labelled { row: beam.row, unlabelled }
             }
             ControlFlow::Break(()) => {
                 self.reset();
@@ -122,7 +111,10 @@ impl Segmenter for PlaneSegmenter<'_> {
     }
 
     fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> Finished {
-        let mut ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
+        let mut ended = self.close_round(sink);
+        if ended.is_continue() {
+            ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
+        }
         if ended.is_continue() {
             ended = self.areas.close(true, sink);
         }
@@ -161,11 +153,23 @@ impl<'a> PlaneSegmenter<'a> {
         let slots = part_mut(memory.halves, 0..needed.halves);
         let (tried, bits) = split_mut(memory.words, tried_len(columns));
         let (ranging, rules) = (&config.ranging, config.rules);
-        let areas = Areas::new(memory.areas, Tried::new(tried), fan.axis(), rules);
+        let areas = Areas::new(memory.areas, Tried::new(tried), fan.axis(), rules, config.round);
         let stated = Variance::stated(ranging, rules.least_noise_m);
         let (progress, turns, measured) = (Progress::default(), Turns::default(), Measured::NONE);
-        let mut segmenter =
-            Self { config, stated, measured, fan, columns, progress, turns, scratch, slots, bits, areas };
+        let mut segmenter = Self {
+            config,
+            stated,
+            measured,
+            fan,
+            columns,
+            progress,
+            turns,
+            scratch,
+            slots,
+            first_rad: 0.0,
+            bits,
+            areas,
+        };
         segmenter.reset();
         Ok(segmenter)
     }
@@ -188,11 +192,33 @@ impl<'a> PlaneSegmenter<'a> {
         self.measured.alone(range_m, &self.stated, self.config.rules).map(libm::sqrtf)
     }
 
+    /// Joins across the seam of a full turn: areas of the first row go on with those of the last ones.
+    fn close_round<S: Sink + ?Sized>(&mut self, sink: &mut S) -> ControlFlow<()> {
+        let Self { config, fan, columns, areas, .. } = self;
+        let (_, rest) = split_mut(self.slots, *columns);
+        let (above, rest) = split_mut(rest, *columns);
+        let (_, first) = split_mut(rest, *columns);
+        let beam = RowBeam { row: 0, beams: self.first_rad.into() };
+        let (frame, variance) = (fan.frame(beam), self.measured.variance(&self.stated, config.rules));
+        for (column, (&slot, &before)) in first.iter().zip(&*above).enumerate() {
+            if slot >= FULL || before >= FULL {
+                continue;
+            }
+            let (one, other) = (areas.root(slot), areas.root(before));
+            if one != other && areas.has_plane(one) && areas.has_plane(other) && areas.is_due(one, other) {
+                let [u, _] = fan.ray(&frame, column);
+                areas.join_neighbour(one, other, u, &variance, sink)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
     fn grow<S: Sink + ?Sized>(&mut self, beam: RowBeam, ranges_m: &[f32], sink: &mut S) -> ControlFlow<(), u32> {
         let Self { config, fan, columns, areas, turns, .. } = self;
         let (columns, rules) = (*columns, config.rules);
         let (slots, rest) = split_mut(self.slots, columns);
-        let (above, cuts) = split_mut(rest, columns);
+        let (above, rest) = split_mut(rest, columns);
+        let (cuts, first) = split_mut(rest, columns);
         let mut packed = self.bits.chunks_exact_mut(words(columns).max(1));
         let mut packed = || packed.next().unwrap_or_default();
         let mut carried = Carried { slots: above, ages: [packed(), packed()] };
@@ -201,7 +227,7 @@ impl<'a> PlaneSegmenter<'a> {
         self.measured.look_at(&line, beam.row);
         line.variance = self.measured.variance(&self.stated, rules);
         areas.row = beam.row as u16;
-        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.turn_rad, self.scratch) {
+        if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.beams.turn_rad, self.scratch) {
             if fan.spins() {
                 line.offset_m = by;
             } else {
@@ -232,7 +258,13 @@ impl<'a> PlaneSegmenter<'a> {
             turns.learn_turn(turn_rad, rules);
         }
         areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), sink)?;
-        areas.settle([slots, carried.slots]);
+        if beam.row == 0 {
+            self.first_rad = beam.beams.turn_rad;
+            for (to, &slot) in first.iter_mut().zip(&*slots) {
+                *to = slot;
+            }
+        }
+        areas.settle([slots, carried.slots, first]);
         carried.take(slots, returns, areas);
         areas.close(false, sink)?;
         let (slots, table) = (RowSlots::Pixels(slots), areas.table());
@@ -245,7 +277,7 @@ impl<'a> PlaneSegmenter<'a> {
 fn scanline<'r>(
     config: &'r PlaneConfig,
     fan: &'r Fan<'r>,
-    beam: RowBeam,
+    beam: RowBeam<'r>,
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
@@ -253,7 +285,6 @@ fn scanline<'r>(
     Scanline {
         ranging,
         fan,
-        turns: cross(fan.axis(), frame.p),
         frame,
         ranges_m,
         wraps: fan.wraps(),

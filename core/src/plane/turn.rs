@@ -185,7 +185,8 @@ fn samples<'s>(
             let pixel = cached.lone(line, column);
             let range_m = pixel.range_m;
             let inverse = inverse_sqrt(line.variance.at(range_m));
-            let error = inverse * range_m * (range_m * (pixel.cos * a + pixel.sin * b + k) - 1.0);
+            let error =
+                inverse * range_m * (range_m * (pixel.cos * a + pixel.sin * b + pixel.beside * turned + k) - 1.0);
             let slope = inverse * if turns { range_m * range_m * pixel.cos * turned } else { -1.0 };
             let tells = slope * slope * expected * expected >= 1.0;
             if range_m > 0.0 && tells && error.abs() <= slope.abs() * (2.0 * expected) {

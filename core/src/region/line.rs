@@ -33,6 +33,7 @@
 //! Nothing is fitted, and lines are not merged within a row.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
+use crate::arithmetic::cos_sin;
 use crate::region::config::RegionConfig;
 use crate::row::bits::{CHUNK, load, mask, pack, store, touching_runs};
 use crate::row::within::{at, put};
@@ -54,7 +55,7 @@ pub(crate) struct TurnThresholds {
 
 impl TurnThresholds {
     pub fn new(config: &RegionConfig) -> Self {
-        let (sin, cos) = libm::sincosf(config.line_angle_rad);
+        let (cos, sin) = cos_sin(config.line_angle_rad);
         let noise_m = config.ranging.range_noise_m;
         // a point, less the mean of its neighbours: a variance of 1 + 1/4 + 1/4
         let noise_square_m2 = 1.5 * TURN_SIGMAS * TURN_SIGMAS * noise_m * noise_m;

@@ -18,6 +18,7 @@ use crate::region::rows::BitRows;
 use crate::row::bits::{CHUNK, load, mask, pack, store, touching_runs};
 use crate::row::fan::{Fan, RowBeam};
 use crate::row::within::{part_mut, split_mut};
+use crate::row_beams::RowBeams;
 use crate::scan::{Finished, Progress, Segmenter, Status};
 use crate::sink::{EdgeRow, LabelRow, RowSlots, Sink};
 
@@ -50,14 +51,15 @@ impl fmt::Debug for RegionSegmenter<'_> {
 }
 
 impl Segmenter for RegionSegmenter<'_> {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> Result<Status, PushError> {
-        let row = self.progress.begin_row(ranges_m, turn_rad, self.columns)?;
-        self.locate(ranges_m, RowBeam { row, turn_rad });
+        let beam = self.progress.begin_row(ranges_m, beams.into(), self.columns, (&self.fan, &self.config.ranging))?;
+        let row = beam.row;
+        self.locate(ranges_m, beam);
         Ok(match self.grow(row, sink) {
             ControlFlow::Continue(unlabelled) => Status::Labelled { row, unlabelled },
             ControlFlow::Break(()) => {

@@ -1,20 +1,16 @@
 //! The beams of a row: cosines and sines of its columns, and the points that its ranges are.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{inverse_sqrt, round};
+use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, plus, round};
 use crate::beam::{Beams, Columns, MAX_COLUMNS, TurnAxis};
 use crate::error::ConfigError;
 use crate::moments::POINT_UNIT_M;
 use crate::row::bits::CHUNK;
+use crate::row_beams::RowBeams;
 
 /// (cos, sin) of the sum of two angles.
 fn add(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     (a.0 * b.0 - a.1 * b.1, a.1 * b.0 + a.0 * b.1)
-}
-
-fn cos_sin(x_rad: f32) -> (f32, f32) {
-    let (sin, cos) = libm::sincosf(x_rad);
-    (cos, sin)
 }
 
 /// Cosine and sine within its row of the beam of a pinhole's column; `v` is the height of the row.
@@ -25,11 +21,11 @@ fn pinhole(fx_px: f32, cx_px: f32, v: f32, column: usize) -> (f32, f32) {
     (cos, u * cos)
 }
 
-/// What is known of one row: its number and its angle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct RowBeam {
+/// What is known of one row: its number, and where its beams point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowBeam<'r> {
     pub row: usize,
-    pub turn_rad: f32,
+    pub beams: RowBeams<'r>,
 }
 
 /// The beams of an image, ready for use row by row.
@@ -65,7 +61,7 @@ impl<'a> Fan<'a> {
 
     /// Whether the last column neighbours the first.
     pub fn wraps(&self) -> bool {
-        matches!(self.beams, Beams::Spinning { wraps: true, .. })
+        matches!(self.beams, Beams::Spinning { wraps: true, .. } | Beams::Free { wraps: true })
     }
 
     /// Whether rows turn about an axis, as those of a nodding scanner.
@@ -90,7 +86,7 @@ impl<'a> Fan<'a> {
         first
     }
 
-    /// Cosine and sine of a beam within its row: just those of [`Fan::row_lanes`], for one that is
+    /// Cosine and sine of a beam within a plain row: just those of [`Fan::lanes`], for one that is
     /// needed alone.
     pub fn row_beam(&self, frame: &Frame, column: usize) -> (f32, f32) {
         match &self.beams {
@@ -103,11 +99,11 @@ impl<'a> Fan<'a> {
                 }
                 add(first, (self.base.0[i % 8], self.base.1[i % 8]))
             }
-            Beams::Nodding { columns: Columns::Listed(list), .. }
-            | Beams::Spinning { columns: Columns::Listed(list), .. } => {
-                list.get(column).map_or((1.0, 0.0), |&angle_rad| cos_sin(angle_rad))
+            Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
+                columns.listed().get(column).map_or((1.0, 0.0), |&angle_rad| cos_sin(angle_rad))
             }
             &Beams::Pinhole { fx_px, cx_px, .. } => pinhole(fx_px, cx_px, frame.p[2], column),
+            Beams::Free { .. } => (1.0, 0.0),
         }
     }
 
@@ -126,44 +122,107 @@ impl<'a> Fan<'a> {
                     first = add(first, self.steps[3]);
                 }
             }
-            Columns::Listed(list) => {
+            Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => {
                 for i in 0..CHUNK {
                     let angle = from.checked_add_unsigned(i).and_then(|c| list.get(usize::try_from(c).ok()?));
-                    (sin[i], cos[i]) = angle.map_or((0.0, 1.0), |&a| libm::sincosf(a));
+                    (cos[i], sin[i]) = angle.map_or((1.0, 0.0), |&a| cos_sin(a));
                 }
             }
         }
     }
 
-    /// What the points of a row depend on besides the column.
-    pub fn frame(&self, at: RowBeam) -> Frame {
-        let (s, c) = libm::sincosf(at.turn_rad);
-        match &self.beams {
-            Beams::Nodding { axis: TurnAxis::Y, .. } => Frame { p: [c, 0.0, s], q: [0.0, 1.0, 0.0], r: [0.0; 3] },
-            Beams::Nodding { axis: TurnAxis::Z, .. } => Frame { p: [c, s, 0.0], q: [0.0, 0.0, 1.0], r: [0.0; 3] },
-            Beams::Spinning { .. } => Frame { p: [c, 0.0, 0.0], q: [0.0, c, 0.0], r: [0.0, 0.0, s] },
+    /// What the beams of a row depend on besides the column.
+    pub fn frame<'r>(&self, at: RowBeam<'r>) -> Frame<'r> {
+        let (c, s) = cos_sin(at.beams.turn_rad);
+        let [p, q, r, t] = match &self.beams {
+            Beams::Nodding { axis: TurnAxis::Y, .. } => [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0; 3], [-s, 0.0, c]],
+            Beams::Nodding { axis: TurnAxis::Z, .. } => [[c, s, 0.0], [0.0, 0.0, 1.0], [0.0; 3], [-s, c, 0.0]],
+            Beams::Spinning { .. } => [[c, 0.0, 0.0], [0.0, c, 0.0], [0.0, 0.0, s], [0.0; 3]],
             &Beams::Pinhole { fy_px, cy_px, .. } => {
                 let v = -(at.row as f32 - cy_px) / fy_px;
-                Frame { p: [1.0, 0.0, v], q: [0.0, 1.0, 0.0], r: [0.0; 3] }
+                [[1.0, 0.0, v], [0.0, 1.0, 0.0], [0.0; 3], [0.0; 3]]
             }
-        }
+            Beams::Free { .. } => free(at.beams.directions),
+        };
+        Frame { p, q, r, t, plain: self.is_plain(&at.beams), beams: at.beams }
     }
 
-    /// Cosine and sine of the beams of a chunk within their row: the direction of a beam is cos p +
-    /// sin q + r of its [`Frame`].
+    /// Whether columns lie where [`Beams`] and the turn angle alone say.
+    pub fn is_plain(&self, row: &RowBeams) -> bool {
+        let beside = matches!(self.beams, Beams::Nodding { columns: Columns::Beside { .. }, .. } | Beams::Free { .. });
+        !beside && row.is_plain()
+    }
+
+    /// The beams of a chunk within their row: see [`Lanes`]. The ranges are there already.
     #[inline]
-    pub fn row_lanes(&self, frame: &Frame, from: usize, cos: &mut Lane, sin: &mut Lane) {
+    pub fn lanes(&self, frame: &Frame, from: usize, lanes: &mut Lanes) {
         match &self.beams {
             Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
-                self.cos_sin(columns, from as isize, cos, sin);
+                self.cos_sin(columns, from as isize, &mut lanes.cos, &mut lanes.sin);
             }
             &Beams::Pinhole { fx_px, cx_px, .. } => {
                 let v = frame.p[2];
                 for i in 0..CHUNK {
-                    (cos[i], sin[i]) = pinhole(fx_px, cx_px, v, from + i);
+                    (lanes.cos[i], lanes.sin[i]) = pinhole(fx_px, cx_px, v, from + i);
                 }
             }
+            Beams::Free { .. } => {}
         }
+        if frame.plain {
+            lanes.beside = [0.0; CHUNK];
+        } else {
+            self.bend(frame, from, lanes);
+        }
+    }
+
+    /// The beams of a chunk of a row that is not plain, from those of a plain one.
+    #[inline(never)]
+    fn bend(&self, frame: &Frame, from: usize, lanes: &mut Lanes) {
+        let Lanes { cos, sin, beside, range_m } = lanes;
+        if let Beams::Free { .. } = self.beams {
+            for i in 0..CHUNK {
+                let u = frame.beams.directions.get(from + i).copied().unwrap_or(frame.p);
+                let u = less(u, frame.r);
+                [cos[i], sin[i], beside[i]] = [frame.p, frame.q, frame.t].map(|axis| dot(axis, u));
+            }
+            return;
+        }
+        let RowBeams { offset_rad, lever_arm_m, .. } = frame.beams;
+        if offset_rad != 0.0 {
+            let offset = cos_sin(offset_rad);
+            for i in 0..CHUNK {
+                (cos[i], sin[i]) = add((cos[i], sin[i]), offset);
+            }
+        }
+        if lever_arm_m != 0.0 {
+            for i in 0..CHUNK {
+                cos[i] += if range_m[i] > 0.0 { lever_arm_m / range_m[i] } else { 0.0 };
+            }
+        }
+        for i in 0..CHUNK {
+            let turned = self.turned(frame, from + i);
+            (cos[i], beside[i]) = (cos[i] * turned.0, cos[i] * turned.1);
+        }
+    }
+
+    /// Cosine and sine of how much more than its row a column is turned.
+    fn turned(&self, frame: &Frame, column: usize) -> (f32, f32) {
+        match &self.beams {
+            Beams::Nodding { columns, .. } => cos_sin(columns.turn_rad(column) + frame.beams.column_turns.of(column)),
+            _ => (1.0, 0.0),
+        }
+    }
+
+    /// The direction of a beam of any row, a unit vector, and the origin that it starts from, metres.
+    pub fn ray(&self, frame: &Frame, column: usize) -> [[f32; 3]; 2] {
+        if let Beams::Free { .. } = self.beams {
+            return [frame.beams.directions.get(column).copied().unwrap_or(frame.p), [0.0; 3]];
+        }
+        let (c, s) = add(self.row_beam(frame, column), cos_sin(frame.beams.offset_rad));
+        let turned = self.turned(frame, column);
+        let Frame { p, q, r, t, .. } = *frame;
+        let out = |by: f32| [0, 1, 2].map(|i| by * (turned.0 * p[i] + turned.1 * t[i]));
+        [plus(plus(out(c), s, q), 1.0, r), out(frame.beams.lever_arm_m)]
     }
 
     /// The axis about which rows turn as their angle grows, a unit vector; 0 where rows do not
@@ -194,21 +253,69 @@ impl<'a> Fan<'a> {
         range_m: &Lane,
         out: &mut [[T; CHUNK]; 3],
     ) {
-        let (mut cos, mut sin) = ([0.0; CHUNK], [0.0; CHUNK]);
-        self.row_lanes(frame, from, &mut cos, &mut sin);
+        let mut lanes = Lanes { range_m: *range_m, ..Lanes::EMPTY };
+        self.lanes(frame, from, &mut lanes);
+        let Lanes { cos, sin, beside, .. } = &lanes;
         for (axis, out) in out.iter_mut().enumerate() {
-            let [p, q, r] = [frame.p, frame.q, frame.r].map(|along| along[axis] / POINT_UNIT_M);
+            let [p, q, r, t] = [frame.p, frame.q, frame.r, frame.t].map(|along| along[axis] / POINT_UNIT_M);
             for i in 0..CHUNK {
-                out[i] = number(range_m[i] * (cos[i] * p + sin[i] * q + r));
+                out[i] = number(range_m[i] * (cos[i] * p + sin[i] * q + beside[i] * t + r));
             }
         }
     }
 }
 
-/// Direction of a beam = a p + b q + r, with a and b of its column.
+/// Axes of the [`Frame`] of a row of free beams: p to the middle of the row, q along it, t across it.
+fn free(directions: &[[f32; 3]]) -> [[f32; 3]; 4] {
+    // neighbours span what the row lies in, as far as it lies in a plane
+    let (mut across, mut middle, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+    for (u, v) in directions.iter().zip(directions.iter().skip(1)) {
+        let (more, both) = (cross(*u, *v), plus(*u, 1.0, *v));
+        // of a pixel without a return a direction may be anything
+        if dot(both, both) <= 4.1 && dot(more, more) >= 0.0 {
+            (across, middle, count) = (plus(across, 1.0, more), plus(middle, 0.5, both), count + 1.0);
+        }
+    }
+    let unit = |v: [f32; 3], or: [f32; 3]| {
+        let square = dot(v, v);
+        if square > 1e-12 { v.map(|x| x * inverse_sqrt(square)) } else { or }
+    };
+    let t = unit(across, [0.0, 0.0, 1.0]);
+    let p = plus(middle, -dot(middle, t), t);
+    // a row that goes all around has no middle
+    let least = if t[2].abs() < 0.7 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
+    let p = unit(p, unit(plus(least, -dot(least, t), t), least));
+    // rings lie on a cone
+    let beside = if count > 0.0 { dot(middle, t) / count } else { 0.0 };
+    [p, cross(t, p), t.map(|x| beside * x), t]
+}
+
+/// One chunk of a row: the direction of a beam is cos p + sin q + beside t + r of its [`Frame`].
+///
+/// Where the scanner's origin is not that of the beams, what its origin is off by, divided by the
+/// range, is added: range times direction is the point.
+pub(crate) struct Lanes {
+    pub cos: Lane,
+    pub sin: Lane,
+    /// 0 in a plain row.
+    pub beside: Lane,
+    /// 0 for no return, and outside of the image.
+    pub range_m: Lane,
+}
+
+impl Lanes {
+    pub const EMPTY: Lanes =
+        Lanes { cos: [0.0; CHUNK], sin: [0.0; CHUNK], beside: [0.0; CHUNK], range_m: [0.0; CHUNK] };
+}
+
+/// What the beams of a row have in common; see [`Lanes`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct Frame<'r> {
     pub p: [f32; 3],
     pub q: [f32; 3],
     pub r: [f32; 3],
+    pub t: [f32; 3],
+    /// Whether no column lies beside p, q and r.
+    pub plain: bool,
+    pub beams: RowBeams<'r>,
 }

@@ -10,7 +10,7 @@ use crate::row::fan::{Fan, Frame};
 #[derive(Debug)]
 pub(crate) struct RowPoints<'a> {
     fan: &'a Fan<'a>,
-    frame: Frame,
+    frame: Frame<'a>,
     ranges_m: &'a [f32],
     /// The chunk that `points` holds.
     chunk: usize,
@@ -20,7 +20,7 @@ pub(crate) struct RowPoints<'a> {
 impl<'a> RowPoints<'a> {
     /// The points of the ranges that were measured along the beams of a row. Only runs of returns
     /// are asked for.
-    pub fn new(fan: &'a Fan<'a>, frame: Frame, ranges_m: &'a [f32]) -> Self {
+    pub fn new(fan: &'a Fan<'a>, frame: Frame<'a>, ranges_m: &'a [f32]) -> Self {
         Self { fan, frame, ranges_m, chunk: usize::MAX, points: [[0; CHUNK]; 3] }
     }
 

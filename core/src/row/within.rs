@@ -34,6 +34,13 @@ pub(crate) fn part_mut<T>(row: &mut [T], range: Range<usize>) -> &mut [T] {
 
 /// The first `at` elements and the rest.
 #[inline(always)]
+pub(crate) fn split<T>(row: &[T], at: usize) -> (&[T], &[T]) {
+    debug_assert!(at <= row.len(), "{at} of {}", row.len());
+    row.split_at_checked(at).unwrap_or_default()
+}
+
+/// The same, to write.
+#[inline(always)]
 pub(crate) fn split_mut<T>(row: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
     debug_assert!(at <= row.len(), "{at} of {}", row.len());
     row.split_at_mut_checked(at).unwrap_or_default()

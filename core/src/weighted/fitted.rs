@@ -1,7 +1,8 @@
 //! A plane with the sums that it was found from, and what more points or another plane make of it.
 
 use crate::arithmetic::dot;
-use crate::weighted::sums::{Errors, Sums, less, plus};
+use crate::arithmetic::{less, plus};
+use crate::weighted::sums::{Errors, Sums};
 
 /// A line of one row is tilted across it by a tangent of so much, one standard deviation.
 const LINE_TAN: f32 = 3.0;

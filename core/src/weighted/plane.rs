@@ -2,9 +2,9 @@
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::dot;
+use crate::arithmetic::plus;
 use crate::plane_fit::Plane;
 use crate::weighted::fitted::Fitted;
-use crate::weighted::sums::plus;
 
 /// Standard deviation of each component of m that rounding leaves, of the size of m: sixteen times
 /// the rounding of single precision.
@@ -26,7 +26,8 @@ impl Fitted {
 
     /// The plane of `pixels` points. `None` for fewer than four, for points in one line whose plane
     /// may be tilted any way, and for numbers that are no plane. The root of the mean square is that
-    /// of the weighted range errors, seen across the plane at the middle of the points.
+    /// of the weighted range errors, seen across the plane at the middle of the points; at its nearest
+    /// point where [`Fitted::centroid_m`] has none.
     ///
     /// The covariance is that of the noise which the ranges were taken to have: what is stated in
     /// [`Ranging`](crate::Ranging) or was measured, whichever is larger, and the turn of the rows.
@@ -47,6 +48,7 @@ impl Fitted {
         // a mean weight is 1 / (variance q^4); across the plane a range error is less by the cosine
         // of the incidence
         let q = dot(self.sums.c, self.m);
+        let q = if q > 0.0 { q } else { size };
         let rms_m = libm::sqrtf(self.squares / self.sums.all) * distance_m / q;
         let scale = self.squares / (n - 3.0);
         let sd = if scale > 1.0 { libm::sqrtf(scale) } else { 1.0 };

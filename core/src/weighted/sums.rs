@@ -7,25 +7,7 @@
 //! planes are found as differences from planes: nothing cancels, and single precision is enough.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::dot;
-
-/// a - b.
-#[inline(always)]
-pub(crate) fn less(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// a + k b.
-#[inline(always)]
-pub(crate) fn plus(a: [f32; 3], k: f32, b: [f32; 3]) -> [f32; 3] {
-    [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
-}
-
-/// a x b.
-#[inline(always)]
-pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
+use crate::arithmetic::{dot, less, plus};
 
 /// Weights and beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

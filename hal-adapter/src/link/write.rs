@@ -1,9 +1,9 @@
 //! From messages to frames.
 
 use cobs::CobsEncoder;
-use crc::Digest;
+use crc::{Digest, NoTable};
 
-use super::frame::{CRC, FrameTooLong};
+use super::frame::{CRC_BITWISE, FrameTooLong};
 use super::message::{Message, PlaneReport, SegmentReport};
 use crate::lms2xx::Trouble;
 use crate::rig::{Counters, ScanFinished, ScanStarted};
@@ -28,7 +28,7 @@ impl FrameEncoder {
     pub fn encode<'b>(&mut self, message: &Message, buffer: &'b mut [u8]) -> Result<&'b [u8], FrameTooLong> {
         let (first, rest) = buffer.split_first_mut().ok_or(FrameTooLong)?;
         *first = 0;
-        let mut frame = Frame { crc: CRC.digest(), cobs: CobsEncoder::new(rest) };
+        let mut frame = Frame { crc: CRC_BITWISE.digest(), cobs: CobsEncoder::new(rest) };
         frame.numbers(&[self.sequence.into()])?;
         frame.message(message)?;
         let length = frame.finish()?;
@@ -41,7 +41,7 @@ impl FrameEncoder {
 
 /// Writes a frame in postcard's format. postcard's own writer can panic.
 struct Frame<'b> {
-    crc: Digest<'static, u32>,
+    crc: Digest<'static, u32, NoTable>,
     cobs: CobsEncoder<'b>,
 }
 

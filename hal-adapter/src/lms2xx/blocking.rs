@@ -10,7 +10,10 @@ use crate::clock::Clock;
 
 /// A serial port whose baud rate can be changed: 8 data bits, no parity, one stop bit.
 pub trait Port: Read + ReadReady + Write {
-    /// Changes the baud rate. All bytes have been sent before this is called.
+    /// Changes the baud rate, and drops the bytes that were received at the old one and not read
+    /// yet. All bytes have been sent before this is called.
+    ///
+    /// Without a scanner it is called for each of the four rates, again and again.
     ///
     /// # Errors
     /// The port's own.
@@ -18,11 +21,14 @@ pub trait Port: Read + ReadReady + Write {
 }
 
 impl<P: Port, C: Clock, D: DelayNs> Scanner<P, C, D> {
-    /// Waits for the next event and returns it. If there is no scanner, [`ScannerEvent::Trouble`]
-    /// comes within seconds.
+    /// Waits for the next event and returns it. It blocks until then: while scan lines
+    /// come, for up to a period of the scanner ([`Settings::period_us`](super::Settings::period_us));
+    /// without a scanner until [`ScannerEvent::Trouble`], some four seconds; of [`Scanner::listening`]
+    /// until a byte comes, without end.
     ///
-    /// Call it again soon. Bytes that come in between must find room in the port, and after more
-    /// than half a second without a scan line the scanner counts as stopped.
+    /// Call it again soon. Bytes that come in between must find room in the port (how many:
+    /// [`rig`](crate::rig#how-long-a-call-takes-and-the-buffer-of-the-port)), and after more than half
+    /// a second without a scan line the scanner counts as stopped.
     ///
     /// # Errors
     /// Only those of the port. No received byte is lost, and the next call continues a command that

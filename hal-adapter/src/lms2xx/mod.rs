@@ -13,8 +13,9 @@
 //! which are tests. The LMS 2xx-S14, whose 90 degrees are fixed, is not supported: it refuses to be
 //! set up ([`Trouble::Refused`]).
 //!
-//! At 500 000 Bd a byte comes every 20 us. Receive by interrupt or DMA into a buffer of at least 64
-//! bytes, so that the UART loses none.
+//! At 500 000 Bd a byte comes every 20 us. Receive by interrupt or DMA into a ring buffer that holds
+//! what comes while the program does something else, such as segmenting a row:
+//! [`rig`](crate::rig#how-long-a-call-takes-and-the-buffer-of-the-port) has the sizes.
 
 mod action;
 pub mod asynch;

@@ -26,7 +26,10 @@ pub enum Dropped {
 
 /// Counts since the rig was made. They wrap at 2^32, which telegrams reach after two years.
 ///
-/// `telegrams` is the sum of `rows` and of all dropped telegrams, plus one while a row is held.
+/// `telegrams` is the sum of `rows` and of all dropped telegrams, plus those under way. Between calls
+/// of the rig that is one while a row is held. In the report of a scan's end it is two where the tilt
+/// turned ([`End::Turned`](super::End::Turned): the row held and the one that agrees with it begin the
+/// next scan), one where the sweep was covered, and none otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

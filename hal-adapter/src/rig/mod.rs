@@ -32,21 +32,73 @@
 //! of the error that this leaves: on a floor, at 0.5 rad/s, 5.6 mm if two mirror turns make a row,
 //! 1.1 mm if each is a row of its own. So use a variant in steps of 1 degree for a tilt that moves.
 //!
+//! # How long a call takes, and the buffer of the port
+//! [`Rig::tilt`] and [`Rig::idle`] do not segment, but for the end of a scan. [`Rig::receive`] and
+//! [`Rig::handle`] take as long as the segmenter needs for the row that a telegram completes. In
+//! that time the scanner goes on sending, and interrupt or DMA must have room for it. For 361
+//! columns at 500 000 Bd, on a Cortex-M4F of 168 MHz at one instruction a cycle (it needs up to
+//! twice as long; the instructions are those of `tests/firmware.sh`):
+//!
+//! | approach | a row | bytes meanwhile | buffer |
+//! |---|---|---|---|
+//! | by edges | 1.2 ms | 60 | 256 |
+//! | by regions | 2.3 ms | 113 | 512 |
+//! | by planes | 2.7 ms; up to 7 times as long where no plane explains what is seen | 134 to 940 | 2048 |
+//!
+//! A buffer of 64 bytes is enough for none. The end of a scan takes longer than a row by planes: it
+//! joins pieces across gaps, 16 tries a column at most. Bytes that are lost cost their telegram,
+//! which is counted.
+//!
+//! # Example
+//! The main loop of a board. Here its ports are empty, and no scanner answers.
+//!
 //! ```
 //! use core::ops::ControlFlow;
 //! use scanseg_core::{LabelRow, PlaneConfig, PlaneSegmenter, Ranging, Segment, Sink, buffers};
-//! use scanseg_hal::lms2xx::{Action, Baud, MeasuringMode, Session, Settings, Unit, Variant};
+//! use scanseg_hal::Latch;
+//! use scanseg_hal::lms2xx::{Action, Baud, MeasuringMode, Session, Settings, Trouble, Unit, Variant};
 //! use scanseg_hal::rig::{Rig, RigSink, TiltLimits, beams};
+//! use static_cell::ConstStaticCell;
+//!
+//! /// The board, to be filled in: UART with its ring buffer, clock, encoder.
+//! struct Board {
+//!     now_us: u64,
+//! }
+//! impl Board {
+//!     /// Sets the UART to a rate of the scanner, and drops what it has received.
+//!     fn set_baud(&mut self, baud: Baud) {
+//!         println!("UART: {} Bd", baud.bits_per_s());
+//!     }
+//!     /// Sends bytes and waits until they have left the port, `gap_us` after each.
+//!     fn send(&mut self, bytes: &[u8], gap_us: u32) {
+//!         println!("to the scanner: {bytes:02x?}, {gap_us} us between");
+//!     }
+//!     /// Takes what has come; waits for it for at most `ms`. Returns the number of bytes.
+//!     fn receive(&mut self, _bytes: &mut [u8], ms: u32) -> usize {
+//!         self.now_us += 1000 * u64::from(ms);
+//!         0
+//!     }
+//!     /// Reads the tilt: its turn angle and when that was.
+//!     fn tilt(&mut self) -> Option<Latch> {
+//!         Some(Latch { turn_rad: 0.0, time_us: self.now_us })
+//!     }
+//! }
 //!
 //! struct Print;
 //! impl Sink for Print {
-//!     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> { ControlFlow::Continue(()) }
+//!     fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
+//!         ControlFlow::Continue(())
+//!     }
 //!     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-//!         println!("{:?}", segment.plane());
+//!         println!("{} pixels: {:?}", segment.pixels(), segment.plane());
 //!         ControlFlow::Continue(())
 //!     }
 //! }
-//! impl RigSink for Print {}
+//! impl RigSink for Print {
+//!     fn trouble(&mut self, trouble: Trouble) {
+//!         println!("trouble: {trouble:?}");
+//!     }
+//! }
 //!
 //! const SETTINGS: Settings = Settings {
 //!     baud: Baud::B500000,
@@ -55,26 +107,38 @@
 //!     mode: MeasuringMode::Range32Field,
 //!     interlaced: false,
 //! };
+//! const LIMITS: TiltLimits =
+//!     TiltLimits { min_rate_rad_per_s: 0.2, max_rate_rad_per_s: 0.6, sweep_rad: 3.0, pause_us: 1_000_000 };
 //! const COLUMNS: usize = SETTINGS.variant.columns() as usize;
-//! const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::new(0.01));
-//! let mut buffers = <buffers!(COLUMNS, CONFIG)>::EMPTY; // on a microcontroller: statics
-//! let mut rows_m = [0.0; 2 * COLUMNS];
-//! let segmenter = PlaneSegmenter::new(CONFIG, beams(SETTINGS.variant), COLUMNS, buffers.memory())?;
-//! let limits = TiltLimits { min_rate_rad_per_s: 0.2, max_rate_rad_per_s: 0.6, sweep_rad: 3.0, pause_us: 1_000_000 };
-//! let mut rig = Rig::new(SETTINGS, limits, segmenter, &mut rows_m)?;
-//! let mut session = Session::new(SETTINGS);
-//! # let (now_us, received, sample) = (0u64, [0u8; 0], None);
-//! // in the main loop:
-//! match session.poll((now_us / 1000) as u32) {
-//!     Action::SetBaud(_) | Action::Send { .. } => {} // on the port
-//!     Action::Wait { .. } => {
-//!         rig.tilt(sample);
-//!         rig.receive(&mut session, &received, now_us, &mut Print);
+//! const CONFIG: PlaneConfig = PlaneConfig::new(Ranging::SICK_LMS200);
+//!
+//! type SegmenterBuffers = buffers!(COLUMNS, CONFIG);
+//! static BUFFERS: ConstStaticCell<SegmenterBuffers> = ConstStaticCell::new(SegmenterBuffers::EMPTY);
+//! static ROWS_M: ConstStaticCell<[f32; 2 * COLUMNS]> = ConstStaticCell::new([0.0; 2 * COLUMNS]);
+//! static SESSION: ConstStaticCell<Session> = ConstStaticCell::new(Session::new(SETTINGS));
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let segmenter = PlaneSegmenter::new(CONFIG, beams(SETTINGS.variant), COLUMNS, BUFFERS.take().memory())?;
+//!     let mut rig = Rig::new(SETTINGS, LIMITS, segmenter, ROWS_M.take())?;
+//!     let session = SESSION.take();
+//!     let mut board = Board { now_us: 0 };
+//!     while rig.counters().troubles == 0 {
+//!         match session.poll((board.now_us / 1000) as u32) {
+//!             Action::SetBaud(baud) => board.set_baud(baud),
+//!             Action::Send { bytes, gap_us } => board.send(bytes.as_slice(), gap_us),
+//!             Action::Wait { ms } => {
+//!                 let mut bytes = [0; 256];
+//!                 let count = board.receive(&mut bytes, ms);
+//!                 rig.tilt(board.tilt()); // before `receive`
+//!                 rig.receive(session, &bytes[..count], board.now_us, &mut Print);
+//!             }
+//!             Action::Tell(trouble) => rig.trouble(trouble, &mut Print),
+//!         }
+//!         rig.idle(board.now_us, &mut Print);
 //!     }
-//!     Action::Tell(trouble) => rig.trouble(trouble, &mut Print),
+//!     println!("{:?}", rig.counters());
+//!     Ok(())
 //! }
-//! rig.idle(now_us, &mut Print);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod counters;

@@ -26,11 +26,14 @@ use scanseg_hal::lms2xx::{Baud, Event, MeasuringMode, ScanLine, Settings, Telegr
 use scanseg_hal::pairing::BeamAges;
 use scanseg_hal::rig::TiltLimits;
 
-use crate::geometry::{Angles, Geometry, Kind, TurnAxis};
-use crate::noise::Noise;
+use crate::angles::Angles;
+use crate::geometry::{Geometry, Kind, TurnAxis};
 
 /// First line of a capture.
 pub const HEAD: &str = "scanseg capture 1";
+
+/// With this begins a capture of any version.
+pub const MAGIC: &str = "scanseg capture ";
 
 /// A capture.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +65,8 @@ pub enum CaptureEvent {
 pub enum CaptureError {
     /// A line that is not as it should be, counted from 1.
     Line(usize),
+    /// A capture of another version than 1, which it names.
+    Version(String),
     /// The settings are missing or none that a scanner has.
     Settings,
     /// There is no scan telegram in a raw stream.
@@ -79,6 +84,7 @@ impl fmt::Display for CaptureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line} is not understood"),
+            Self::Version(version) => write!(f, "a capture of version {version}, not 1"),
             Self::Settings => write!(f, "settings of the scanner are missing or wrong"),
             Self::NoTelegram => write!(f, "no scan of an LMS 2xx in it"),
             Self::Variant => write!(f, "its scans are not of one variant of an LMS 2xx"),
@@ -127,8 +133,12 @@ impl Capture {
     /// Reads the text of a capture.
     ///
     /// # Errors
-    /// [`CaptureError::Line`] or [`CaptureError::Settings`].
+    /// [`CaptureError::Version`], [`CaptureError::Line`] or [`CaptureError::Settings`].
     pub fn parse(text: &str) -> Result<Capture, CaptureError> {
+        let head = text.lines().next().unwrap_or_default();
+        if let Some(version) = head.strip_prefix(MAGIC).filter(|_| head != HEAD) {
+            return Err(CaptureError::Version(version.chars().take(20).collect()));
+        }
         let (mut settings, mut limits, mut events) = (None, None, vec![]);
         for (number, line) in (1..).zip(text.lines()) {
             let words: Vec<&str> = line.split_whitespace().collect();
@@ -232,15 +242,7 @@ pub fn geometry_on_tilt(variant: Variant) -> Geometry {
         step_deg: f64::from(variant.step_cdeg()) / 100.0,
     };
     let turn_deg = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
-    Geometry {
-        unit_m: 0.001,
-        no_return: vec![],
-        min_range_m: None,
-        max_range_m: None,
-        range_noise_m: None,
-        noise: Noise::NONE,
-        kind: Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y },
-    }
+    Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y })
 }
 
 /// Returns the angles of all columns of a scanner, of which those given are the angles of a telegram

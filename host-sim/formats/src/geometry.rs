@@ -2,36 +2,14 @@
 //!
 //! Directions are unit vectors, x forward, y left, z up. Angles are degrees, as in the geometry
 //! file, which [`Geometry::read`] and [`Geometry::to_toml`] read and write.
-use std::error::Error;
-use std::fmt;
 
 pub use scanseg_core::TurnAxis;
 
-use crate::noise::Noise;
-
-/// Angles of the rows or of the columns of a range image, in degrees.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Angles {
-    /// Index `i` is at `start_deg + i * step_deg`.
-    Even {
-        /// Angle of index 0.
-        start_deg: f64,
-        /// Angle from one index to the next; not zero.
-        step_deg: f64,
-    },
-    /// One angle per index.
-    Listed(Vec<f64>),
-}
-
-impl Angles {
-    /// Returns the angle of index `i` in degrees. `i` must lie within a list.
-    pub fn at(&self, i: usize) -> f64 {
-        match self {
-            Angles::Even { start_deg, step_deg } => start_deg + i as f64 * step_deg,
-            Angles::Listed(list) => list[i],
-        }
-    }
-}
+use crate::angles::Angles;
+use crate::beside::Beside;
+use crate::geometry_error::GeometryError;
+use crate::limits::{CENTRE_PX, ERROR_M, FOCAL_PX, LEVER_ARM_M, Limits, MAX_RANGE_M, MIN_RANGE_M, UNIT_M};
+use crate::noise::{LIMITS, Noise};
 
 /// What a pinhole camera's pixel values measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +54,15 @@ pub enum Kind {
         /// What the pixel values measure.
         depth: Depth,
     },
+    /// Any beams, as an organised point cloud has them. A geometry file has no such kind.
+    Free {
+        /// A unit vector for each pixel; anything where nothing was measured.
+        directions: Vec<[f32; 3]>,
+        /// Pixels of a row.
+        columns: usize,
+        /// Whether the last column neighbours the first.
+        wraps: bool,
+    },
 }
 
 /// The geometry file of a range image, version 1.
@@ -95,32 +82,49 @@ pub struct Geometry {
     pub noise: Noise,
     /// Where the beams point.
     pub kind: Kind,
+    /// Rows, columns and an origin beside the others.
+    pub beside: Beside,
 }
 
 impl Geometry {
+    /// A geometry that says nothing but where the beams point: counts of a millimetre.
+    pub fn of(kind: Kind) -> Geometry {
+        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
+        Geometry {
+            unit_m: 0.001,
+            no_return: vec![],
+            min_range_m,
+            max_range_m,
+            range_noise_m,
+            noise: Noise::NONE,
+            kind,
+            beside: Beside::NONE,
+        }
+    }
+
     /// Checks that an image of `rows` x `columns` pixels can have this geometry: listed angles have
     /// one entry per row or column, and the beams of the corners have directions (numbers too large
     /// for `f64` leave them without).
     ///
     /// # Errors
-    /// [`GeometryError::Entries`] or [`GeometryError::NoDirection`].
+    /// [`GeometryError::Entries`] or [`GeometryError::NoDirection`]; several in one.
     pub fn fits(&self, rows: usize, columns: usize) -> Result<(), GeometryError> {
-        let entries = |key, angles: &Angles, axis, needed| match angles {
-            Angles::Listed(list) if list.len() != needed => {
-                Err(GeometryError::Entries { key, listed: list.len(), axis, needed })
+        let mut errors = vec![];
+        for (key, angles) in self.angles().into_iter().flatten().chain(self.offsets()) {
+            let of_rows = ["turn_deg", "elevation_deg", "row_offset_deg"].contains(&key);
+            let (axis, needed) = if of_rows { ("rows", rows) } else { ("columns", columns) };
+            match angles {
+                Angles::Listed(list) if list.len() != needed => {
+                    errors.push(GeometryError::Entries { key, listed: list.len(), axis, needed });
+                }
+                _ => {}
             }
-            _ => Ok(()),
-        };
-        match &self.kind {
-            Kind::Nodding { beam_deg, turn_deg, .. } => {
-                entries("turn_deg", turn_deg, "rows", rows)?;
-                entries("beam_deg", beam_deg, "columns", columns)?;
-            }
-            Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
-                entries("elevation_deg", elevation_deg, "rows", rows)?;
-                entries("azimuth_deg", azimuth_deg, "columns", columns)?;
-            }
-            Kind::Pinhole { .. } => {}
+        }
+        GeometryError::all(errors)?;
+        if let Kind::Free { directions, columns: of_row, .. } = &self.kind {
+            let (key, listed, needed) = ("directions", directions.len(), rows * columns);
+            let fits = listed == needed && *of_row == columns;
+            return if fits { Ok(()) } else { Err(GeometryError::Entries { key, listed, axis: "pixels", needed }) };
         }
         if rows == 0 || columns == 0 {
             return Ok(());
@@ -137,56 +141,62 @@ impl Geometry {
         Ok(())
     }
 
-    /// Checks the rules of the geometry file that hold for any image: everything finite,
-    /// `unit_m` above 0, ranges ordered, no empty list, no step and no focal length of 0.
+    /// Returns the angles of the rows and of the columns with their keys; none of a pinhole.
+    pub fn angles(&self) -> Option<[(&'static str, &Angles); 2]> {
+        match &self.kind {
+            Kind::Nodding { beam_deg, turn_deg, .. } => Some([("turn_deg", turn_deg), ("beam_deg", beam_deg)]),
+            Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
+                Some([("elevation_deg", elevation_deg), ("azimuth_deg", azimuth_deg)])
+            }
+            Kind::Pinhole { .. } | Kind::Free { .. } => None,
+        }
+    }
+
+    /// Returns the angles that are added to those, with their keys.
+    fn offsets(&self) -> impl Iterator<Item = (&'static str, &Angles)> {
+        let Beside { row_offset_deg, column_offset_deg, .. } = &self.beside;
+        let offsets = [("row_offset_deg", row_offset_deg), ("column_offset_deg", column_offset_deg)];
+        offsets.into_iter().filter_map(|(key, angles)| Some((key, angles.as_ref()?)))
+    }
+
+    /// Returns where the beams of a row start: with a lever arm not in the origin.
+    pub fn origin(&self, row: usize, column: usize) -> [f64; 3] {
+        let Kind::Nodding { turn_deg, turn_axis, .. } = &self.kind else { return [0.0; 3] };
+        let (st, ct) = (turn_deg.at(row) + self.beside.column_deg(column)).to_radians().sin_cos();
+        let out = match turn_axis {
+            TurnAxis::Y => [ct, 0.0, st],
+            TurnAxis::Z => [ct, st, 0.0],
+        };
+        out.map(|x| x * self.beside.lever_arm_m)
+    }
+
+    /// Checks the rules of the geometry file that hold for any image: numbers within their limits,
+    /// ranges ordered, no empty list.
     ///
     /// # Errors
-    /// [`GeometryError::Value`] for the first value that breaks one.
+    /// [`GeometryError::Value`] for each value that breaks one.
     pub fn check(&self) -> Result<(), GeometryError> {
-        let number = |key: &str, x: f64, good: bool, rule: &'static str| {
-            if good && x.is_finite() { Ok(()) } else { Err(GeometryError::value(key, x, rule)) }
-        };
-        let angles = |key: &str, angles: &Angles| match angles {
-            Angles::Even { start_deg, step_deg } => {
-                number(&format!("{key}.start"), *start_deg, true, "finite")?;
-                number(&format!("{key}.step"), *step_deg, *step_deg != 0.0, "finite and not 0")
-            }
-            Angles::Listed(list) if list.is_empty() => Err(GeometryError::value(key, "[]", "one angle or more")),
-            Angles::Listed(list) => {
-                (0..).zip(list).try_for_each(|(i, a)| number(&format!("{key}[{i}]"), *a, true, "finite"))
-            }
-        };
-        number("unit_m", self.unit_m, self.unit_m > 0.0, "finite and above 0")?;
-        if let Some(m) = self.min_range_m {
-            number("min_range_m", m, m >= 0.0, "finite and not below 0")?;
+        let mut errors = vec![];
+        let mut number = |key: &str, x: f64, limits: &Limits| errors.extend(limits.check(key, x).err());
+        number("unit_m", self.unit_m, &UNIT_M);
+        let optional = [
+            ("min_range_m", self.min_range_m, &MIN_RANGE_M),
+            ("max_range_m", self.max_range_m, &MAX_RANGE_M),
+            ("range_noise_m", self.range_noise_m, &ERROR_M),
+        ];
+        optional.into_iter().for_each(|(key, x, limits)| _ = x.map(|x| number(key, x, limits)));
+        for ((key, x), limits) in { self.noise }.keys().into_iter().zip(LIMITS) {
+            number(key, *x, limits);
         }
-        if let Some(m) = self.max_range_m {
-            let min_m = self.min_range_m.unwrap_or(0.0);
-            number("max_range_m", m, m > min_m, "finite and above 0 and above `min_range_m`")?;
+        if let Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } = self.kind {
+            [("fx", fx_px), ("fy", fy_px)].iter().for_each(|(key, x)| number(key, *x, &FOCAL_PX));
+            [("cx", cx_px), ("cy", cy_px)].iter().for_each(|(key, x)| number(key, *x, &CENTRE_PX));
         }
-        if let Some(m) = self.range_noise_m {
-            number("range_noise_m", m, m >= 0.0, "finite and not below 0")?;
-        }
-        for ((key, value), (_, none)) in { self.noise }.keys().into_iter().zip({ Noise::NONE }.keys()) {
-            let rule = if *none == 0.0 { "finite and not below 0" } else { "finite and not below 1" };
-            number(key, *value, *value >= *none, rule)?;
-        }
-        match &self.kind {
-            Kind::Nodding { beam_deg, turn_deg, .. } => {
-                angles("beam_deg", beam_deg)?;
-                angles("turn_deg", turn_deg)
-            }
-            Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
-                angles("azimuth_deg", azimuth_deg)?;
-                angles("elevation_deg", elevation_deg)
-            }
-            Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
-                number("fx", *fx_px, *fx_px != 0.0, "finite and not 0")?;
-                number("fy", *fy_px, *fy_px != 0.0, "finite and not 0")?;
-                number("cx", *cx_px, true, "finite")?;
-                number("cy", *cy_px, true, "finite")
-            }
-        }
+        errors.extend(check_order(self.min_range_m, self.max_range_m).err());
+        let angles = self.angles().into_iter().flatten().chain(self.offsets());
+        angles.for_each(|(key, angles)| errors.extend(angles.check(key)));
+        errors.extend(LEVER_ARM_M.check("lever_arm_m", self.beside.lever_arm_m).err());
+        GeometryError::all(errors)
     }
 
     /// Returns the unit vector of the beam of a pixel. Listed angles must have an entry for it; see
@@ -194,15 +204,15 @@ impl Geometry {
     pub fn direction(&self, row: usize, column: usize) -> [f64; 3] {
         match &self.kind {
             Kind::Nodding { beam_deg, turn_deg, turn_axis } => {
-                let (sb, cb) = beam_deg.at(column).to_radians().sin_cos();
-                let (st, ct) = turn_deg.at(row).to_radians().sin_cos();
+                let (sb, cb) = (beam_deg.at(column) + self.beside.row_deg(row)).to_radians().sin_cos();
+                let (st, ct) = (turn_deg.at(row) + self.beside.column_deg(column)).to_radians().sin_cos();
                 match turn_axis {
                     TurnAxis::Y => [cb * ct, sb, cb * st],
                     TurnAxis::Z => [cb * ct, cb * st, sb],
                 }
             }
             Kind::Spinning { azimuth_deg, elevation_deg, .. } => {
-                let (sa, ca) = azimuth_deg.at(column).to_radians().sin_cos();
+                let (sa, ca) = (azimuth_deg.at(column) + self.beside.row_deg(row)).to_radians().sin_cos();
                 let (se, ce) = elevation_deg.at(row).to_radians().sin_cos();
                 [ce * ca, ce * sa, se]
             }
@@ -212,93 +222,17 @@ impl Geometry {
                 let n = (1.0 + u * u + v * v).sqrt();
                 [1.0 / n, u / n, v / n]
             }
+            Kind::Free { directions, columns, .. } => directions[row * columns + column].map(f64::from),
         }
     }
 }
 
-/// What is wrong with a geometry, or with a geometry for an image.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum GeometryError {
-    /// The text is not TOML.
-    Syntax {
-        /// Line of the mistake, from 1.
-        line: usize,
-        /// What the TOML reader says.
-        message: String,
-    },
-    /// A required key is missing.
-    Missing {
-        /// Its name.
-        key: String,
-    },
-    /// A key that the format does not have, or not for this kind.
-    Unknown {
-        /// Its name.
-        key: String,
-        /// The file's `kind`.
-        kind: &'static str,
-    },
-    /// A value of the wrong type.
-    Type {
-        /// Its key.
-        key: String,
-        /// What the format asks for.
-        expected: &'static str,
-        /// What the file has.
-        found: &'static str,
-    },
-    /// A value outside its range.
-    Value {
-        /// Its key.
-        key: String,
-        /// The value as text.
-        found: String,
-        /// What it must be.
-        rule: &'static str,
-    },
-    /// A list of angles does not have one entry per row or column of the image.
-    Entries {
-        /// Its key.
-        key: &'static str,
-        /// Entries of the list.
-        listed: usize,
-        /// `"rows"` or `"columns"`.
-        axis: &'static str,
-        /// Rows or columns of the image.
-        needed: usize,
-    },
-    /// The numbers are too large for a pixel's beam to have a direction.
-    NoDirection {
-        /// Row of the pixel.
-        row: usize,
-        /// Column of the pixel.
-        column: usize,
-    },
-}
-
-impl GeometryError {
-    /// [`GeometryError::Value`] of anything that prints.
-    pub(crate) fn value(key: &str, found: impl fmt::Debug, rule: &'static str) -> Self {
-        GeometryError::Value { key: key.into(), found: format!("{found:?}").replace('"', ""), rule }
-    }
-}
-
-impl fmt::Display for GeometryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            GeometryError::Syntax { line, message } => write!(f, "line {line}: {message}"),
-            GeometryError::Missing { key } => write!(f, "missing key `{key}`"),
-            GeometryError::Unknown { key, kind } => write!(f, "`{key}` is not a key of a {kind} geometry"),
-            GeometryError::Type { key, expected, found } => write!(f, "`{key}` must be {expected}, not {found}"),
-            GeometryError::Value { key, found, rule } => write!(f, "`{key}` is {found}, must be {rule}"),
-            GeometryError::Entries { key, listed, axis, needed } => {
-                write!(f, "`{key}` lists {listed} angles, the image has {needed} {axis}")
-            }
-            GeometryError::NoDirection { row, column } => {
-                write!(f, "the beam of row {row}, column {column} has no direction: numbers too large")
-            }
+/// Checks that the limits of ranges are in order.
+pub(crate) fn check_order(min_range_m: Option<f64>, max_range_m: Option<f64>) -> Result<(), GeometryError> {
+    match (min_range_m, max_range_m) {
+        (Some(min_m), Some(max_m)) if max_m > 0.0 && max_m <= min_m => {
+            Err(GeometryError::value("max_range_m", format!("{max_m:?}"), MAX_RANGE_M.text))
         }
+        _ => Ok(()),
     }
 }
-
-impl Error for GeometryError {}

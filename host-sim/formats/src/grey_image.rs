@@ -4,11 +4,11 @@
 //! PNG, 3rd edition.
 use std::error::Error;
 use std::fmt;
-use std::fs;
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
-use crate::file::FileError;
+use crate::file::{Cause, FileError};
 
 /// A grey image, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,13 +30,25 @@ impl GreyImage {
     /// Names the file, and says what the system or [`GreyImage::decode`] says.
     pub fn read(path: impl AsRef<Path>) -> Result<GreyImage, FileError> {
         let path = path.as_ref();
-        let bytes = fs::read(path).map_err(|e| FileError::new(path, e))?;
-        GreyImage::decode(&bytes).map_err(|e| FileError::new(path, e))
+        let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+        GreyImage::read_from(file).map_err(|cause| FileError::of(path, cause))
+    }
+
+    /// Reads an image from its first byte on.
+    pub(crate) fn read_from(source: impl Read) -> Result<GreyImage, Cause> {
+        let mut bytes = vec![];
+        source.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+        match GreyImage::decode(&bytes) {
+            // the header of a file that goes on
+            Err(e @ ImageError::Pixels { .. }) => Err(e.into()),
+            _ if bytes.len() as u64 > MAX_FILE_BYTES => Err(ImageError::FileBytes.into()),
+            decoded => Ok(decoded?),
+        }
     }
 
     /// Reads the bytes of a PGM (P5, largest value 1 to 65535) or PNG (grey, 8 or 16 bits) file,
-    /// told apart by their first bytes. The memory taken is in proportion to `bytes`, whatever size
-    /// a header claims.
+    /// told apart by their first bytes. The header is read first: what claims more than
+    /// [`MAX_PIXELS`] pixels, or more than its file can hold, is not decoded.
     ///
     /// # Errors
     /// Anything else than exactly one whole such image.
@@ -94,6 +106,13 @@ impl GreyImage {
     }
 }
 
+/// The most pixels of an image: as 4096 x 4096, or 16 384 x 1024. A PNG packs a thousand pixels into
+/// a byte or two, so that its length bounds nothing.
+pub const MAX_PIXELS: usize = 1 << 24;
+
+/// No image is longer: four bytes a pixel.
+const MAX_FILE_BYTES: u64 = 4 * MAX_PIXELS as u64;
+
 /// PNG's largest side, taken for PGM as well.
 const MAX_SIDE: u32 = i32::MAX as u32;
 
@@ -108,6 +127,7 @@ fn decode_pgm(bytes: &[u8]) -> Result<GreyImage, ImageError> {
         Some(b) if b.is_ascii_whitespace() => at += 1,
         _ => return Err(ImageError::PgmHeader { what: "white space after the largest value", offset: at }),
     }
+    check_pixels(rows, columns)?;
 
     let wide = max_value >= 256;
     let data = &bytes[at..];
@@ -124,6 +144,11 @@ fn decode_pgm(bytes: &[u8]) -> Result<GreyImage, ImageError> {
         return Err(ImageError::TooBright { row: i / columns, column: i % columns, value: values[i], max_value });
     }
     Ok(GreyImage { rows, columns, max_value, values })
+}
+
+fn check_pixels(rows: usize, columns: usize) -> Result<(), ImageError> {
+    let fits = rows.checked_mul(columns).is_some_and(|pixels| pixels <= MAX_PIXELS);
+    if fits { Ok(()) } else { Err(ImageError::Pixels { rows, columns }) }
 }
 
 /// Reads one number from 1 to `limit` of a PGM header, after white space and comments, of which
@@ -184,10 +209,14 @@ impl From<png::DecodingError> for PngFailure {
 
 fn decode_png_at(cursor: &mut Cursor<&[u8]>, file_bytes: usize) -> Result<GreyImage, PngFailure> {
     let mut decoder = png::Decoder::new(cursor);
+    // Texts and colour profiles may be packed as well, and are of no use.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     let header = decoder.read_header_info()?;
     let (rows, columns) = (header.height as usize, header.width as usize);
     let (colour, depth) = (header.color_type, header.bit_depth);
     let wide = depth == png::BitDepth::Sixteen;
+    check_pixels(rows, columns).map_err(PngFailure::Other)?;
     // Deflate packs at most 1032 bytes into one: a size beyond that is a false claim, for which
     // nothing is allocated.
     let needed = rows as u128 * columns as u128 * if wide { 2 } else { 1 };
@@ -269,6 +298,15 @@ pub enum ImageError {
         /// What it is.
         found: String,
     },
+    /// More than [`MAX_PIXELS`] pixels by the header.
+    Pixels {
+        /// Rows by the header.
+        rows: usize,
+        /// Columns by the header.
+        columns: usize,
+    },
+    /// The file is longer than any image of [`MAX_PIXELS`] pixels.
+    FileBytes,
     /// A PNG whose header claims more pixels than the file can hold.
     PngSize {
         /// Rows by the header.
@@ -305,6 +343,13 @@ impl fmt::Display for ImageError {
                 write!(f, "PGM value {value} in row {row}, column {column} is above the header's {max_value}")
             }
             ImageError::PngKind { found } => write!(f, "PNG is not plain grey of 8 or 16 bits: {found}"),
+            ImageError::Pixels { rows, columns } => {
+                let pixels = *rows as u128 * *columns as u128;
+                write!(f, "{rows} rows x {columns} columns are {pixels} pixels, the most are {MAX_PIXELS}")
+            }
+            ImageError::FileBytes => {
+                write!(f, "more than {} MiB, longer than any image of {MAX_PIXELS} pixels", MAX_FILE_BYTES >> 20)
+            }
             ImageError::PngSize { rows, columns, file_bytes } => {
                 write!(f, "PNG claims {rows} x {columns} pixels, more than a file of {file_bytes} bytes can hold")
             }

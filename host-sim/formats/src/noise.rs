@@ -1,5 +1,11 @@
 //! What the geometry file says of the errors of a scanner beside the constant noise of its ranges.
 
+use crate::limits::{CORRELATION_PX, ERROR_DEG, ERROR_M, ERROR_PER_M, ERROR_PER_M2, Limits};
+
+/// What the values of [`Noise::keys`] may be.
+pub(crate) const LIMITS: [&Limits; 8] =
+    [&ERROR_PER_M, &ERROR_PER_M2, &ERROR_M, &ERROR_PER_M2, &CORRELATION_PX, &ERROR_DEG, &ERROR_DEG, &ERROR_M];
+
 /// The errors of a scanner, one standard deviation each. [`Noise::NONE`] is what a file says that
 /// says nothing of them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -40,7 +40,6 @@ fn what_is_no_capture() {
     let good = Capture::new(every_settings().next().expect("one"), LIMITS).to_text();
     assert!(good.starts_with(HEAD) && Capture::parse(&good).is_ok());
     for (line, text) in [
-        (1, "scanseg capture 2".into()),
         (1, format!(" {good}")),
         (2, good.replace("baud 9600", "baud 9601")),
         (2, good.replace("columns 101", "columns 100")),
@@ -57,6 +56,10 @@ fn what_is_no_capture() {
         (5, good.clone() + "\nbyte 1 00\n"),
     ] {
         assert_eq!(Capture::parse(&text), Err(CaptureError::Line(line)), "{text}");
+    }
+    for version in ["2", "1.1", ""] {
+        let other = good.replacen(HEAD, &format!("scanseg capture {version}"), 1);
+        assert_eq!(Capture::parse(&other), Err(CaptureError::Version(version.into())));
     }
     assert_eq!(Capture::parse(HEAD), Err(CaptureError::Settings));
     assert_eq!(Capture::parse(""), Err(CaptureError::Settings));

@@ -1,6 +1,6 @@
 //! Geometry files: what is refused and how it is said, exact round trips.
 use proptest::prelude::*;
-use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, SENSORS, TurnAxis};
+use scanseg_formats::{Angles, Beside, Depth, Geometry, Kind, Noise, SENSORS, TurnAxis};
 
 const SPINNING: &str = "version = 1
 unit_m = 0.001
@@ -35,19 +35,11 @@ fn each_kind_is_read() {
     let spinning = Geometry::parse(SPINNING).unwrap();
     assert_eq!(
         spinning,
-        Geometry {
-            unit_m: 0.001,
-            no_return: vec![],
-            min_range_m: None,
-            max_range_m: None,
-            range_noise_m: None,
-            noise: Noise::NONE,
-            kind: Kind::Spinning {
-                azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
-                elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
-                wraps: true,
-            },
-        }
+        Geometry::of(Kind::Spinning {
+            azimuth_deg: Angles::Even { start_deg: 0.0, step_deg: -0.5 },
+            elevation_deg: Angles::Listed(vec![1.0, 0.5, 0.0]),
+            wraps: true,
+        })
     );
     let nodding = Geometry::parse(NODDING).unwrap();
     assert_eq!(nodding.no_return, [32767, 0]);
@@ -90,59 +82,133 @@ fn what_is_missing_is_named() {
         (PINHOLE, "cy = 272"),
     ] {
         let key = line.split(' ').next().unwrap();
-        assert_eq!(refused(text, line, ""), format!("missing key `{key}`"));
+        let said = refused(text, line, "");
+        assert!(said.starts_with(&format!("missing key `{key}`, ")), "{said}");
     }
-    assert_eq!(refused(NODDING, "start = -90.0, ", ""), "missing key `beam_deg.start`");
-    assert_eq!(refused(NODDING, ", step = 0.5 ", ""), "missing key `beam_deg.step`");
+    let degrees = "a number from -36000 to 36000 (degrees)";
+    assert_eq!(refused(NODDING, "start = -90.0, ", ""), format!("missing key `beam_deg.start`, {degrees}"));
+    let said = "missing key `beam_deg.step`, a number from -90 to 90 and not 0 (degrees)";
+    assert_eq!(refused(NODDING, ", step = 0.5 ", ""), said);
 }
 
 #[test]
 fn what_is_wrong_is_named() {
+    let unit = "must be a number above 0, up to 1000 (metres of one count)";
+    let degrees = "must be a number from -36000 to 36000 (degrees)";
+    let step = "must be a number from -90 to 90 and not 0 (degrees)";
+    let kinds = "must be one of nodding, spinning, pinhole";
+    let angles = "must be a list of angles or { start, step } (degrees)";
+    let count = "must be a whole number from 0 to 65535";
+    let focal = "must be a number from 0.1 to 1000000, or from -1000000 to -0.1 (pixels)";
+    let centre = "must be a number from -1000000 to 1000000 (pixels)";
     let cases = [
-        (SPINNING, "version = 1", "version = 2", "`version` is 2, must be 1"),
-        (SPINNING, "version = 1", "version = '1'", "`version` must be the integer 1, not a string"),
-        (SPINNING, "0.001", "'mm'", "`unit_m` must be a number, not a string"),
-        (SPINNING, "0.001", "0", "`unit_m` is 0.0, must be finite and above 0"),
-        (SPINNING, "0.001", "-1", "`unit_m` is -1.0, must be finite and above 0"),
-        (SPINNING, "0.001", "inf", "`unit_m` is inf, must be finite and above 0"),
-        (SPINNING, "0.001", "nan", "`unit_m` is NaN, must be finite and above 0"),
-        (SPINNING, "'spinning'", "'conic'", "`kind` is conic, must be one of nodding, spinning, pinhole"),
-        (SPINNING, "'spinning'", "3", "`kind` must be one of nodding, spinning, pinhole, not an integer"),
-        (SPINNING, "true", "1", "`wraps` must be true or false, not an integer"),
-        (SPINNING, "wraps", "warps", "`warps` is not a key of a spinning geometry"),
-        (SPINNING, "wraps = true", "fx = 1.0", "`fx` is not a key of a spinning geometry"),
-        (SPINNING, "[1, 0.5, 0.0]", "[]", "`elevation_deg` is [], must be one angle or more"),
-        (SPINNING, "[1, 0.5, 0.0]", "[1, '2']", "`elevation_deg[1]` must be a number, not a string"),
-        (SPINNING, "[1, 0.5, 0.0]", "[1, nan]", "`elevation_deg[1]` is NaN, must be finite"),
-        (SPINNING, "[1, 0.5, 0.0]", "7", "`elevation_deg` must be a list of angles or { start, step }, not an integer"),
-        (NODDING, "step = 0.5 ", "step = 0 ", "`beam_deg.step` is 0.0, must be finite and not 0"),
-        (NODDING, "step = 0.5 ", "step = false ", "`beam_deg.step` must be a number, not a boolean"),
-        (NODDING, "start = -90.0", "start = -inf", "`beam_deg.start` is -inf, must be finite"),
-        (NODDING, "step = 0.5 ", "step = 0.5, n = 3 ", "`beam_deg.n` is not a key of a { start, step } geometry"),
-        (NODDING, "'y'", "'x'", "`turn_axis` is x, must be y or z"),
-        (NODDING, "[32767, 0]", "32767", "`no_return` must be a list of counts, not an integer"),
-        (NODDING, "[32767, 0]", "[0, 65536]", "`no_return[1]` is 65536, must be from 0 to 65535"),
-        (NODDING, "[32767, 0]", "[-1]", "`no_return[0]` is -1, must be from 0 to 65535"),
-        (NODDING, "[32767, 0]", "[1.5]", "`no_return[0]` must be an integer, not a float"),
-        (NODDING, "= 0.48", "= -0.5", "`min_range_m` is -0.5, must be finite and not below 0"),
-        (NODDING, "= 80", "= 0.48", "`max_range_m` is 0.48, must be finite and above 0 and above `min_range_m`"),
-        (NODDING, "= 0.01", "= -0.01", "`range_noise_m` is -0.01, must be finite and not below 0"),
-        (
-            NODDING,
-            "range_noise_m = 0.01",
-            "sensor = 3",
-            "`sensor` must be one of sick-lms200, kinect-v1, realsense-d435, \
-          azure-kinect, ouster-os0, ouster-os1, velodyne-vlp16, ld06, not an integer",
-        ),
-        (PINHOLE, "519.226", "0.0", "`fx` is 0.0, must be finite and not 0"),
-        (PINHOLE, "479.462", "0", "`fy` is 0.0, must be finite and not 0"),
-        (PINHOLE, "522.23", "inf", "`cx` is inf, must be finite"),
-        (PINHOLE, "272", "nan", "`cy` is NaN, must be finite"),
-        (PINHOLE, "'z'", "'depth'", "`depth` is depth, must be z or range"),
+        (SPINNING, "version = 1", "version = 2", "`version` is 2, must be the whole number 1".to_string()),
+        (SPINNING, "version = 1", "version = '1'", "`version` is \"1\", must be the whole number 1".to_string()),
+        (SPINNING, "0.001", "'mm'", format!("`unit_m` is \"mm\", {unit}")),
+        (SPINNING, "0.001", "0", format!("`unit_m` is 0.0, {unit}")),
+        (SPINNING, "0.001", "-1", format!("`unit_m` is -1.0, {unit}")),
+        (SPINNING, "0.001", "1001", format!("`unit_m` is 1001.0, {unit}")),
+        (SPINNING, "0.001", "inf", format!("`unit_m` is inf, {unit}")),
+        (SPINNING, "0.001", "nan", format!("`unit_m` is NaN, {unit}")),
+        (SPINNING, "'spinning'", "'conic'", format!("`kind` is \"conic\", {kinds}")),
+        (SPINNING, "'spinning'", "3", format!("`kind` is 3, {kinds}")),
+        (SPINNING, "true", "1", "`wraps` is 1, must be true or false".to_string()),
+        (SPINNING, "wraps", "warps", "`warps` is not a key of a spinning geometry (is `wraps` meant?)".to_string()),
+        (SPINNING, "wraps = true", "fx = 1.0", "`fx` is not a key of a spinning geometry".to_string()),
+        (SPINNING, "wraps", "Min_range", {
+            "`Min_range` is not a key of a spinning geometry (is `min_range_m` meant?)".to_string()
+        }),
+        (SPINNING, "[1, 0.5, 0.0]", "[]", "`elevation_deg` is [], must be one angle or more".to_string()),
+        (SPINNING, "[1, 0.5, 0.0]", "[1, '2']", format!("`elevation_deg[1]` is \"2\", {degrees}")),
+        (SPINNING, "[1, 0.5, 0.0]", "[1, nan, 'x']", format!("`elevation_deg[1]` is NaN, {degrees}")),
+        (SPINNING, "[1, 0.5, 0.0]", "7", format!("`elevation_deg` is 7, {angles}")),
+        (NODDING, "step = 0.5 ", "step = 0 ", format!("`beam_deg.step` is 0.0, {step}")),
+        (NODDING, "step = 0.5 ", "step = 100 ", format!("`beam_deg.step` is 100.0, {step}")),
+        (NODDING, "step = 0.5 ", "step = false ", format!("`beam_deg.step` is false, {step}")),
+        (NODDING, "start = -90.0", "start = -inf", format!("`beam_deg.start` is -inf, {degrees}")),
+        (NODDING, "step = 0.5 ", "step = 0.5, n = 3 ", {
+            "`beam_deg.n` is not a key of a { start, step } geometry".to_string()
+        }),
+        (NODDING, "'y'", "'x'", "`turn_axis` is \"x\", must be y or z".to_string()),
+        (NODDING, "[32767, 0]", "32767", {
+            "`no_return` is 32767, must be a list of whole numbers from 0 to 65535".to_string()
+        }),
+        (NODDING, "[32767, 0]", "[0, 65536]", format!("`no_return[1]` is 65536, {count}")),
+        (NODDING, "[32767, 0]", "[-1]", format!("`no_return[0]` is -1, {count}")),
+        (NODDING, "[32767, 0]", "[1.5]", format!("`no_return[0]` is 1.5, {count}")),
+        (NODDING, "= 0.48", "= -0.5", "`min_range_m` is -0.5, must be a number from 0 to 500 (metres)".to_string()),
+        (NODDING, "= 80", "= 0.48", {
+            "`max_range_m` is 0.48, must be a number above 0 and above `min_range_m` (metres; beyond 500 nothing is used)"
+                .to_string()
+        }),
+        (NODDING, "= 0.01", "= -0.01", "`range_noise_m` is -0.01, must be a number from 0 to 10 (metres)".to_string()),
+        (NODDING, "range_noise_m = 0.01", "sensor = 3", {
+            "`sensor` is 3, must be one of sick-lms200, kinect-v1, realsense-d435, azure-kinect, ouster-os0, ouster-os1, \
+             velodyne-vlp16, ld06"
+                .to_string()
+        }),
+        (PINHOLE, "519.226", "0.0", format!("`fx` is 0.0, {focal}")),
+        (PINHOLE, "479.462", "0", format!("`fy` is 0.0, {focal}")),
+        (PINHOLE, "522.23", "inf", format!("`cx` is inf, {centre}")),
+        (PINHOLE, "272", "nan", format!("`cy` is NaN, {centre}")),
+        (PINHOLE, "'z'", "'depth'", "`depth` is \"depth\", must be z or range".to_string()),
     ];
     for (text, old, new, message) in cases {
         assert_eq!(refused(text, old, new), message);
     }
+}
+
+/// Whoever writes a geometry file mends it once.
+#[test]
+fn all_that_is_wrong_is_told_at_once() {
+    let text = "version = 1\nunit = 0.001\nmin_range_m = 'near'\nrange_noise_m = 20\nno_return = [-1]\n\
+         kind = 'nodding'\nbeam_deg = { start = 'left', stop = 90 }\nturn_deg = [1, nan]\n";
+    let said = Geometry::parse(text).unwrap_err().to_string();
+    let expected = "missing key `unit_m`, a number above 0, up to 1000 (metres of one count); \
+         `no_return[0]` is -1, must be a whole number from 0 to 65535; \
+         `min_range_m` is \"near\", must be a number from 0 to 500 (metres); \
+         `range_noise_m` is 20.0, must be a number from 0 to 10 (metres); \
+         `beam_deg.start` is \"left\", must be a number from -36000 to 36000 (degrees); \
+         missing key `beam_deg.step`, a number from -90 to 90 and not 0 (degrees); \
+         `beam_deg.stop` is not a key of a { start, step } geometry (is `step` meant?); \
+         `turn_deg[1]` is NaN, must be a number from -36000 to 36000 (degrees); \
+         missing key `turn_axis`, y or z; \
+         `unit` is not a key of a nodding geometry (is `unit_m` meant?)";
+    assert_eq!(said, expected);
+    // of another version nothing else is known
+    let said = Geometry::parse(&text.replace("version = 1", "version = 2")).unwrap_err().to_string();
+    assert_eq!(said, "`version` is 2, must be the whole number 1");
+    // without the kind its keys are known, and others are not
+    let said = Geometry::parse("version = 1\nunit_m = 1\nfx = 3\ncolour = 'red'\n").unwrap_err().to_string();
+    let expected = "missing key `kind`, one of nodding, spinning, pinhole; `colour` is not a key of any geometry";
+    assert_eq!(said, expected);
+    // a message has an end
+    let keys: String = (0..500).map(|i| format!("{}{i} = 1\n", "k".repeat(100))).collect();
+    let said = Geometry::parse(&format!("{PINHOLE}{keys}")).unwrap_err().to_string();
+    assert!(said.len() < 2000 && said.ends_with("; and 484 more"), "{said}");
+}
+
+/// A geometry that was not read is checked by the same rules.
+#[test]
+fn a_geometry_is_checked_as_its_file_is() {
+    let mut geometry = Geometry::parse(NODDING).unwrap();
+    assert_eq!(geometry.check(), Ok(()));
+    (geometry.unit_m, geometry.max_range_m) = (-1.0, Some(0.1));
+    geometry.noise = Noise { noise_correlation_px: 0.5, turn_noise_deg: 6.0, ..geometry.noise };
+    geometry.kind = Kind::Spinning {
+        azimuth_deg: Angles::Even { start_deg: f64::INFINITY, step_deg: 0.0 },
+        elevation_deg: Angles::Listed(vec![]),
+        wraps: false,
+    };
+    let parts = |e: scanseg_formats::GeometryError| {
+        let mut parts: Vec<String> =
+            e.to_string().split("; `").map(|part| part.trim_matches('`').to_string()).collect();
+        parts.sort();
+        parts
+    };
+    let (checked, read) = (geometry.check().unwrap_err(), Geometry::parse(&geometry.to_toml()).unwrap_err());
+    assert_eq!(parts(checked), parts(read.clone()));
+    assert!(matches!(read, scanseg_formats::GeometryError::Several(errors) if errors.len() == 7));
 }
 
 #[test]
@@ -170,13 +236,19 @@ fn listed_angles_must_have_an_entry_each() {
 
 #[test]
 fn beams_without_direction_do_not_fit() {
-    let far = Geometry::parse(&SPINNING.replace("start = 0, step = -0.5", "start = 0, step = 1e308")).unwrap();
+    let mut far = Geometry::parse(SPINNING).unwrap();
+    if let Kind::Spinning { azimuth_deg, .. } = &mut far.kind {
+        *azimuth_deg = Angles::Even { start_deg: 0.0, step_deg: 1e308 };
+    }
     assert_eq!(far.fits(3, 2), Ok(()));
     assert_eq!(
         far.fits(3, 3).unwrap_err().to_string(),
         "the beam of row 0, column 2 has no direction: numbers too large"
     );
-    let sharp = Geometry::parse(&PINHOLE.replace("519.226", "1e-320")).unwrap();
+    let mut sharp = Geometry::parse(PINHOLE).unwrap();
+    if let Kind::Pinhole { fx_px, .. } = &mut sharp.kind {
+        *fx_px = 1e-320;
+    }
     assert!(sharp.fits(2, 2).is_err());
 }
 
@@ -187,19 +259,15 @@ fn a_file_that_cannot_be_read_is_named() {
 }
 
 fn angles() -> impl Strategy<Value = Angles> {
-    let step = any::<f64>().prop_filter("finite, not 0", |x| x.is_finite() && *x != 0.0);
+    let step = prop_oneof![1e-300..90.0, -90.0..-1e-300];
     prop_oneof![
-        (finite(), step).prop_map(|(start, step)| Angles::Even { start_deg: start, step_deg: step }),
-        prop::collection::vec(finite(), 1..20).prop_map(Angles::Listed),
+        (degrees(), step).prop_map(|(start, step)| Angles::Even { start_deg: start, step_deg: step }),
+        prop::collection::vec(degrees(), 1..20).prop_map(Angles::Listed),
     ]
 }
 
-fn finite() -> impl Strategy<Value = f64> {
-    any::<f64>().prop_filter("finite", |x| x.is_finite())
-}
-
-fn above_0() -> impl Strategy<Value = f64> {
-    finite().prop_map(f64::abs).prop_filter("above 0", |x| *x > 0.0)
+fn degrees() -> impl Strategy<Value = f64> {
+    -36e3..=36e3
 }
 
 fn kind() -> impl Strategy<Value = Kind> {
@@ -216,13 +284,15 @@ fn kind() -> impl Strategy<Value = Kind> {
             elevation_deg,
             wraps
         }),
-        (above_0(), above_0(), finite(), finite(), depth).prop_map(|(fx, fy, cx, cy, depth)| Kind::Pinhole {
-            fx_px: fx,
-            fy_px: -fy,
-            cx_px: cx,
-            cy_px: cy,
-            depth
-        }),
+        (0.1..1e6, 0.1..1e6, -1e6..1e6, -1e6..1e6, depth).prop_map(
+            |(fx, fy, cx, cy, depth): (f64, f64, f64, f64, Depth)| Kind::Pinhole {
+                fx_px: fx,
+                fy_px: -fy,
+                cx_px: cx,
+                cy_px: cy,
+                depth
+            }
+        ),
     ]
 }
 
@@ -246,15 +316,22 @@ fn noise() -> impl Strategy<Value = Noise> {
 proptest! {
     #[test]
     fn a_geometry_survives_its_file(
-        unit_m in above_0(),
+        unit_m in 1e-300..=1000.0,
         no_return in any::<Vec<u16>>(),
         min_range_m in prop::option::of(0.0..1.0),
         max_range_m in prop::option::of(1.0..1e9),
         range_noise_m in prop::option::of(0.0..1.0),
         noise in noise(),
         kind in kind(),
+        beside in (prop::option::of(angles()), prop::option::of(angles()), -10.0..10.0),
     ) {
-        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind };
+        let (row_offset_deg, column_offset_deg, lever_arm_m) = beside;
+        let beside = match kind {
+            Kind::Nodding { .. } => Beside { row_offset_deg, column_offset_deg, lever_arm_m },
+            Kind::Spinning { .. } => Beside { row_offset_deg, ..Beside::NONE },
+            _ => Beside::NONE,
+        };
+        let geometry = Geometry { unit_m, no_return, min_range_m, max_range_m, range_noise_m, noise, kind, beside };
         prop_assert_eq!(Geometry::parse(&geometry.to_toml()), Ok(geometry));
     }
 
@@ -283,7 +360,7 @@ fn a_named_sensor_states_what_the_file_does_not() {
         assert_eq!(Geometry::parse(&geometry.to_toml()).unwrap(), geometry);
     }
     let unknown = with("sensor = 'kinect'").unwrap_err().to_string();
-    assert!(unknown.starts_with("`sensor` is kinect, must be one of sick-lms200, kinect-v1, "), "{unknown}");
+    assert!(unknown.starts_with("`sensor` is \"kinect\", must be one of sick-lms200, kinect-v1, "), "{unknown}");
 }
 
 #[test]
@@ -294,9 +371,19 @@ fn examples_of_the_documentation_are_geometry_files() {
         Kind::Nodding { .. } => "nodding",
         Kind::Spinning { .. } => "spinning",
         Kind::Pinhole { .. } => "pinhole",
+        Kind::Free { .. } => "free",
     });
     assert!(kinds.eq(["nodding", "pinhole", "spinning"]));
     for sensor in SENSORS {
         assert!(page.contains(&format!("\n| `{}` | ", sensor.name)), "{}", sensor.name);
+    }
+    // keys of the page are keys of the format
+    let first = |line: &'static str| line.strip_prefix("| `")?.split('`').next();
+    for key in page.lines().filter_map(first).filter(|key| !SENSORS.iter().any(|sensor| sensor.name == *key)) {
+        let meant = [SPINNING, NODDING, PINHOLE].map(|text| {
+            let said = Geometry::parse(&format!("{text}{key}_ = 1\n")).unwrap_err().to_string();
+            said.contains(&format!("(is `{key}` meant?)"))
+        });
+        assert!(meant.contains(&true), "{key} is not a key");
     }
 }

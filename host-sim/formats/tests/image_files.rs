@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use scanseg_formats::{Geometry, GreyImage, RangeImage, write_all_or_none, write_atomic};
+use scanseg_formats::{Geometry, GreyImage, RangeImage, read_at_most, write_all_or_none, write_atomic};
 
 fn message(bytes: &[u8]) -> String {
     let message = GreyImage::decode(bytes).unwrap_err().to_string();
@@ -50,13 +50,48 @@ fn a_malformed_pgm_is_refused_in_one_line() {
 #[test]
 fn a_claimed_size_is_not_believed() {
     assert_eq!(
-        message(b"P5\n2147483647 2147483647\n65535\n\x00"),
-        "PGM of 2147483647 x 2147483647 needs 9223372028264841218 bytes of values, the file has 1: 0 whole rows"
+        message(b"P5\n4096 4096\n65535\n\x00"),
+        "PGM of 4096 x 4096 needs 33554432 bytes of values, the file has 1: 0 whole rows"
     );
-    let (width, height) = (0x7fff_ffff, 0x7fff_ffff);
-    let claim = png_of(png::ColorType::Grayscale, png::BitDepth::Sixteen, width, height, None);
+    let claim = png_of(png::ColorType::Grayscale, png::BitDepth::Sixteen, 4096, 4096, None);
     let said = message(&claim);
-    assert!(said.starts_with("PNG claims 2147483647 x 2147483647 pixels, more than a file of"), "{said}");
+    assert!(said.starts_with("PNG claims 4096 x 4096 pixels, more than a file of"), "{said}");
+}
+
+/// The header tells how many pixels there are, before any is decoded: a PNG of so many zeros is
+/// short.
+#[test]
+fn images_of_too_many_pixels_are_refused_by_their_header() {
+    for (rows, columns) in [(4097_u64, 4096), (32_000, 32_000), (1, 0x7fff_ffff), (0x7fff_ffff, 0x7fff_ffff)] {
+        let says = format!("{rows} rows x {columns} columns are {} pixels, the most are 16777216", rows * columns);
+        assert_eq!(message(format!("P5\n{columns} {rows}\n65535\n").as_bytes()), says);
+        let png = png_of(png::ColorType::Grayscale, png::BitDepth::Sixteen, columns as u32, rows as u32, None);
+        assert_eq!(message(&png), says);
+    }
+    assert_eq!(GreyImage::decode(b"P5\n1 1\n1\n\x01").unwrap().values, [1]);
+}
+
+/// A device without an end is not read to it.
+#[test]
+fn what_never_ends_is_not_read() {
+    let zeros = Path::new("/dev/zero");
+    if !zeros.exists() {
+        return skipped(zeros);
+    }
+    let said = GreyImage::read(zeros).unwrap_err().to_string();
+    assert_eq!(said, "/dev/zero: more than 64 MiB, longer than any image of 16777216 pixels");
+    let said = Geometry::read(zeros).unwrap_err().to_string();
+    assert_eq!(said, "/dev/zero: more than 16 MiB, the most that is read");
+    assert_eq!(read_at_most(zeros, 0).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+    // the header of a stream that goes on
+    let folder = fresh_directory("never_ends");
+    let long = folder.join("long.pgm");
+    let mut file = fs::File::create(&long).unwrap();
+    file.write_all(b"P5\n60000 60000\n65535\n").unwrap();
+    file.set_len(7_200_000_000).unwrap();
+    let said = GreyImage::read(&long).unwrap_err().to_string();
+    assert!(said.ends_with("60000 rows x 60000 columns are 3600000000 pixels, the most are 16777216"), "{said}");
+    fs::remove_file(long).unwrap();
 }
 
 /// A PNG, without rows where there is no data.
@@ -228,12 +263,50 @@ fn files_are_written_all_or_none() {
     assert_eq!(names(&directory), ["a.pgm", "b.toml"]);
     assert_eq!((fs::read(&a).unwrap(), fs::read(&b).unwrap()), (b"new".to_vec(), b"too".to_vec()));
 
-    // A directory in the place of a target: the rename fails.
+    // A directory in the place of a target is seen before anything is written.
     let taken = directory.join("taken");
     fs::create_dir(&taken).unwrap();
-    assert!(write_atomic(&taken, b"new").is_err());
+    let e = write_all_or_none(&[(&a, b"newer"), (&b, b"newer"), (&taken, b"new")]).unwrap_err();
+    assert!(e.to_string().starts_with(&format!("{}: ", taken.display())), "{e}");
+    assert_eq!((fs::read(&a).unwrap(), fs::read(&b).unwrap()), (b"new".to_vec(), b"too".to_vec()));
     assert!(write_atomic("..", b"new").is_err());
     assert_eq!(names(&directory), ["a.pgm", "b.toml", "taken"]);
+}
+
+/// What is no plain file stays what it is, and gets the bytes.
+#[cfg(unix)]
+#[test]
+fn links_pipes_and_devices_are_written_through() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    let directory = fresh_directory("through");
+    let [link, file, dangling, made] = ["link", "file", "dangling", "made"].map(|name| directory.join(name));
+    fs::write(&file, b"old").unwrap();
+    symlink("file", &link).unwrap();
+    symlink("made", &dangling).unwrap();
+    write_all_or_none(&[(&link, b"new"), (&dangling, b"first")]).unwrap();
+    assert!([&link, &dangling].iter().all(|path| fs::symlink_metadata(path).unwrap().is_symlink()));
+    assert_eq!((fs::read(&file).unwrap(), fs::read(&made).unwrap()), (b"new".to_vec(), b"first".to_vec()));
+    assert_eq!(names(&directory), ["dangling", "file", "link", "made"]);
+
+    let pipe = directory.join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read(pipe).unwrap()
+    });
+    write_atomic(&pipe, b"through").unwrap();
+    assert_eq!(reader.join().unwrap(), b"through");
+    assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+
+    write_atomic("/dev/null", b"gone").unwrap();
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+    if Path::new("/dev/full").exists() {
+        // nothing else is new if a stream takes nothing
+        assert!(write_all_or_none(&[(&file, b"newer"), (Path::new("/dev/full"), b"x")]).is_err());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+    }
+    assert_eq!(names(&directory), ["dangling", "file", "link", "made", "pipe"]);
 }
 
 fn images() -> impl Strategy<Value = GreyImage> {

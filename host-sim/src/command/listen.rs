@@ -5,10 +5,10 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 use clap::Args;
-use scanseg_hal::link::{FrameDecoder, Received};
+use scanseg_hal::link::{FrameDecoder, Message, Received, VERSION};
 
 use crate::command::messages::line;
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
 
 /// Print the results that a board sends over its link
 ///
@@ -29,6 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let mut decoder = FrameDecoder::new();
     let (mut messages, mut lost, mut damaged) = (0u64, 0u64, 0u64);
+    let mut known = VERSION;
     let mut buffer = [0; 4096];
     let end = loop {
         let count = match source.read(&mut buffer) {
@@ -41,7 +42,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let mut text = String::new();
         decoder.feed(&buffer[..count], |received| {
             match received {
-                Received::Message { lost: before, .. } => (messages, lost) = (messages + 1, lost + u64::from(before)),
+                Received::Message { lost: before, message } => {
+                    (messages, lost) = (messages + 1, lost + u64::from(before));
+                    if let Message::Hello { version } = message
+                        && std::mem::replace(&mut known, version) != version
+                    {
+                        warn(&other_version(&name, version));
+                    }
+                }
                 Received::Damaged { .. } => damaged += 1,
             }
             line(&received).into_iter().for_each(|line| text += &(line + "\n"));
@@ -54,4 +62,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     print(&format!("{messages} messages, {lost} lost, {damaged} damaged\n"))?;
     Ok(end?)
+}
+
+fn other_version(name: &str, version: u8) -> String {
+    match version {
+        VERSION => format!("{name}: its sender now speaks version {VERSION} of the link"),
+        _ => {
+            format!("{name}: its sender speaks version {version} of the link, not {VERSION}: what follows may be wrong")
+        }
+    }
 }

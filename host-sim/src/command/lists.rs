@@ -132,22 +132,6 @@ impl Listing {
             "{} x {} pixels, {} with a return, {} on edges; {} segments, {} of them with {} pixels or more",
             h.rows, h.columns, h.returns, h.edge_pixels, h.segments_found, h.segments_listed, h.min_pixels
         );
-        if h.outside_limits > h.returns {
-            let Configuration { min_range_m, max_range_m, .. } = &h.configuration;
-            let _ = writeln!(
-                text,
-                "warning: {} of {} counts lie outside {min_range_m} m to {max_range_m} m: is unit_m right?",
-                h.outside_limits,
-                h.outside_limits + h.returns
-            );
-        }
-        if h.unlabelled_pixels > 0 {
-            let _ = writeln!(
-                text,
-                "{} pixels got no label: the table of live labels was full (--max-labels)",
-                h.unlabelled_pixels
-            );
-        }
         text
     }
 }

@@ -12,11 +12,17 @@ mod noise;
 mod office;
 mod options;
 mod output;
+mod planes;
 mod replay;
 mod rig;
+mod say;
 mod scene_set;
 mod segment;
+#[cfg(unix)]
+mod signals;
+mod warnings;
 
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -27,6 +33,7 @@ use crate::command::output::Failure;
 /// 2006).
 #[derive(Parser)]
 #[command(name = "scanseg", version, arg_required_else_help = true)]
+#[command(after_help = "Range images and their geometry files, with examples to copy: docs/scan-format.md")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -45,17 +52,25 @@ enum Command {
     Listen(listen::Arguments),
 }
 
-/// Runs the command line. Exit code 0, or 2 with one line on stderr.
+/// Runs the command line. Exit code 0, or 2 with one line on stderr. A reader of stdout that has gone
+/// ends the program, and is no failure.
 pub fn main() -> ExitCode {
+    #[cfg(unix)]
+    signals::remove_temporaries_at_end();
     let done = match Arguments::try_parse() {
         Ok(arguments) => run(arguments.command),
         Err(e) if e.use_stderr() && std::env::args_os().len() > 1 => Err(first_paragraph(&e).into()),
-        Err(e) => e.exit(),
+        Err(e) if e.use_stderr() => {
+            _ = e.print();
+            return ExitCode::from(2);
+        }
+        Err(help) => help.print().and_then(|()| io::stdout().flush()).map_err(say::stdout_failure),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(e) if e.is::<say::ReaderGone>() => ExitCode::SUCCESS,
         Err(e) => {
-            eprintln!("scanseg: {}", e.to_string().replace('\n', " "));
+            say::error(&e);
             ExitCode::from(2)
         }
     }

@@ -2,11 +2,12 @@
 
 use std::error::Error;
 use std::fs;
-use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use scanseg_formats::write_all_or_none;
+
+pub use crate::command::say::{print, warn};
 
 /// What went wrong, in one line.
 pub type Failure = Box<dyn Error>;
@@ -20,20 +21,6 @@ pub fn write(folder: &Path, files: &Files) -> Result<(), Failure> {
     let paths: Vec<_> = files.iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
     let files: Vec<_> = paths.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
     Ok(write_all_or_none(&files)?)
-}
-
-/// Prints to stdout. A reader that has gone is no failure.
-pub fn print(text: &str) -> Result<(), Failure> {
-    match io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(format!("stdout: {e}").into()),
-        _ => Ok(()),
-    }
-}
-
-/// Says on stderr what looks wrong, in one line.
-pub fn warn(what: &str) {
-    // if nobody reads it there is nobody to tell
-    _ = writeln!(io::stderr(), "scanseg: warning: {what}");
 }
 
 /// Returns a progress bar on stderr. Nothing is drawn where that is no terminal.

@@ -1,21 +1,22 @@
 //! `scanseg replay`: what a scanner and its tilt said, through the same code as on a board.
 
-use std::fs;
 use std::path::PathBuf;
 use std::rc::Rc;
 
 use clap::Args;
 use scanseg_core::{AnySegmenter, Segmenter};
-use scanseg_formats::capture::{Capture, CaptureEvent, HEAD, geometry_on_tilt};
-use scanseg_formats::{Angles, FileError, Geometry, Kind, write_atomic};
+use scanseg_formats::capture::{Capture, CaptureError, CaptureEvent, MAGIC, geometry_on_tilt};
+use scanseg_formats::{Angles, FileError, Geometry, Kind, read_at_most, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 
+use crate::command::input::{read_geometry, with_page};
 use crate::command::messages::LinkOptions;
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
+use crate::command::warnings;
 
 /// Replay what was recorded of a scanner: telegrams to segments, as on a board
 ///
@@ -25,7 +26,8 @@ use crate::command::output::{Failure, print};
 pub struct Arguments {
     /// Capture, or raw bytes of the scanner
     capture: PathBuf,
-    /// Raw bytes: geometry file (TOML) of a nodding scanner; telegram n is its row n
+    /// Raw bytes: geometry file of a nodding scanner, see docs/scan-format.md; telegram n is its
+    /// row n
     #[arg(long, value_name = "FILE", requires = "range_bits")]
     geometry: Option<PathBuf>,
     /// Raw bytes: how many bits of a value are the range, 13 to 16; the scanner's measuring mode
@@ -37,6 +39,9 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
 }
+
+/// No capture is longer: three hours of a scanner at its fastest.
+const MOST_BYTES: u64 = 1 << 30;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.capture.display().to_string();
@@ -55,26 +60,39 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig =
         Rig::new(capture.settings, capture.limits, segmenter, &mut rows_m).map_err(|e| format!("{name}: {e}"))?;
+    if arguments.geometry.is_some() {
+        // of even turn angles as many as telegrams, and one before the first
+        let tilts = capture.events.iter().filter(|event| matches!(event, CaptureEvent::Tilt(_))).count();
+        let rows = if rows > 1 { rows } else { tilts.saturating_sub(1) };
+        warnings::of_geometry(&name, &geometry, rows, columns).iter().for_each(|warning| warn(warning));
+    }
+    let stated = arguments.options.states_noise(&geometry);
+    warnings::no_noise(&name, &config, stated).iter().for_each(|warning| warn(warning));
 
     let host = Rc::default();
     let mut reporter = arguments.link.reporter(&host);
-    play(&capture, &mut rig, &mut reporter);
-    if rig.counters().scans == 0 {
-        reporter.send(&Message::Status(rig.counters()));
-    }
+    let lines = || host.borrow_mut().take_lines(usize::MAX).iter().map(|line| line.clone() + "\n").collect::<String>();
+    let played = play(&capture, &mut rig, &mut reporter, || print(&lines())).and_then(|()| {
+        if rig.counters().scans == 0 {
+            reporter.send(&Message::Status(rig.counters()));
+        }
+        print(&lines())
+    });
     let host = host.borrow();
+    let (enough, max_labels) = (enough_labels(config.approach(), columns), arguments.options.max_labels());
+    warnings::unlabelled_pixels(&name, host.unlabelled, enough, max_labels).iter().for_each(|warning| warn(warning));
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.bytes)?;
     }
-    print(&host.lines.iter().map(|line| line.clone() + "\n").collect::<String>())
+    played
 }
 
 /// Reads the capture, or makes one of raw bytes, and the geometry of its scans.
 fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
     let name = arguments.capture.display();
     let file_error = |cause| FileError { path: arguments.capture.clone(), cause };
-    let raw = fs::read(&arguments.capture).map_err(|e| file_error(e.into()))?;
-    match (raw.starts_with(HEAD.as_bytes()), &arguments.geometry, arguments.range_bits) {
+    let raw = read_at_most(&arguments.capture, MOST_BYTES).map_err(|e| file_error(e.into()))?;
+    match (raw.starts_with(MAGIC.as_bytes()), &arguments.geometry, arguments.range_bits) {
         (true, None, _) => {
             let text = String::from_utf8_lossy(&raw);
             let capture = Capture::parse(&text).map_err(|e| file_error(e.into()))?;
@@ -83,15 +101,24 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         }
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
-            let geometry = Geometry::read(path)?;
-            Ok(Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| file_error(e.into()))?)
+            let geometry = read_geometry(path)?;
+            let capture_and_geometry = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
+                CaptureError::Geometry { .. } => with_page(&format!("{}: does not fit {name}: {e}", path.display())),
+                e => file_error(e.into()).into(),
+            })?;
+            Ok(capture_and_geometry)
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),
     }
 }
 
-/// Gives the rig all that the capture holds, as a board would.
-fn play(capture: &Capture, rig: &mut Rig<'_, impl Segmenter>, sink: &mut impl RigSink) {
+/// Gives the rig all that the capture holds, as a board would, and prints what comes of it.
+fn play(
+    capture: &Capture,
+    rig: &mut Rig<'_, impl Segmenter>,
+    sink: &mut impl RigSink,
+    print: impl Fn() -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let mut session = Session::listening(capture.settings);
     for event in &capture.events {
         match event {
@@ -102,8 +129,10 @@ fn play(capture: &Capture, rig: &mut Rig<'_, impl Segmenter>, sink: &mut impl Ri
                     rig.trouble(trouble, sink);
                 }
                 rig.idle(*time_us, sink);
+                print()?;
             }
         }
     }
     rig.finish(sink);
+    Ok(())
 }

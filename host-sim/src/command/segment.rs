@@ -1,7 +1,6 @@
 //! `scanseg segment`: a range image in; labels, edges, bearing angles, lists and an overview out.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 use indicatif::ProgressBar;
@@ -15,6 +14,7 @@ use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
+use crate::command::{planes, warnings};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
@@ -24,7 +24,7 @@ const LONG_SCAN: usize = 1_000_000;
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Folder for the results; made if it is not there
@@ -47,14 +47,13 @@ pub struct ListOptions {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
-    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a range image. Returns the files to write, and what to print. Warns of a noise that
-/// does not fit.
+/// Segments a range image. Returns the files to write, and what to print. Warns of what looks
+/// wrong.
 pub fn segment(
     input: &Input,
     config: AnyConfig<'_>,
@@ -68,9 +67,8 @@ pub fn segment(
         Segmentation::of(&input.ranges, &input.geometry, config, options.max_labels(), || bar.inc(1))
             .map_err(|e| in_terms_of_options(&input.name, e))
     };
-    let started = Instant::now();
     let segmentation = run(config)?;
-    let seconds = started.elapsed().as_secs_f64();
+    let seconds = segmentation.core_time.as_secs_f64();
     let edges = match config {
         AnyConfig::Edge(config) => edges_along_rows_and_columns(config, run)?,
         _ => vec![],
@@ -104,9 +102,12 @@ pub fn segment(
     ];
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
     let stated = options.states_noise(&input.geometry);
-    noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
+    let mut all = warnings::of_scan(input, &config, stated);
+    all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
+    all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
-    let summary = format!("{table}{noise}\nsegmented in {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
+    let summary = format!("{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
 }
 

@@ -1,7 +1,7 @@
 //! Made-up results for tests.
 
 use scanseg_core::TurnAxis;
-use scanseg_formats::{Angles, Geometry, Kind, Noise, RangeImage};
+use scanseg_formats::{Angles, Geometry, Kind, RangeImage};
 
 use crate::experiment::cost::Cost;
 use crate::experiment::counts::Counts;
@@ -39,15 +39,7 @@ pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
         [100, 1000, 10_000].map(cost)
     });
     let even = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
-    let geometry = Geometry {
-        unit_m: 0.001,
-        no_return: vec![],
-        min_range_m: None,
-        max_range_m: None,
-        range_noise_m: None,
-        noise: Noise::NONE,
-        kind: Kind::Nodding { beam_deg: even.clone(), turn_deg: even, turn_axis: TurnAxis::Y },
-    };
+    let geometry = Geometry::of(Kind::Nodding { beam_deg: even.clone(), turn_deg: even, turn_axis: TurnAxis::Y });
     let sample = Sample {
         scene: 0,
         scan: RangeImage { rows: 2, columns: 3, range_m: vec![1.0, 2.0, 3.0, 4.0, 5.0, 0.0] },

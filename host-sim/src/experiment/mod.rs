@@ -6,11 +6,14 @@
 //! use scanseg_sim::experiment::{Results, report};
 //! use scanseg_sim::office::{SCENES, Set};
 //!
-//! let results = Results::of(Set::Tuning, SCENES, || {});
-//! for (name, bytes) in report::files(&results) {
-//!     std::fs::write(name, bytes)?;
+//! fn main() -> Result<(), std::io::Error> {
+//!     let results = Results::of(Set::Tuning, SCENES, || {});
+//!     for (name, bytes) in report::files(&results) {
+//!         println!("{name}");
+//!         std::fs::write(name, bytes)?;
+//!     }
+//!     Ok(())
 //! }
-//! # Ok::<(), std::io::Error>(())
 //! ```
 //!
 //! All but the cost is the same on every platform and at every run.

@@ -2,7 +2,7 @@
 
 use std::{error, fmt};
 
-use scanseg_formats::{Angles, Depth, Geometry, Kind, Noise, TurnAxis};
+use scanseg_formats::{Angles, Beside, Depth, Geometry, Kind, Noise, TurnAxis};
 
 use crate::office::rng::Rng;
 use crate::office::scene::Scene;
@@ -138,6 +138,11 @@ impl Sensor {
                 angles(elevation_deg, self.rows)
             }
             Kind::Pinhole { .. } => Ok(()),
+            Kind::Free { directions, columns, .. } => {
+                let (listed, needed) = (directions.len(), self.rows * self.columns);
+                let fits = listed == needed && *columns == self.columns;
+                if fits { Ok(()) } else { Err(SensorError::Angles { listed, needed }) }
+            }
         }
     }
 }
@@ -241,6 +246,7 @@ impl Scene {
             range_noise_m: (sensor.range_noise_m > 0.0).then_some(sensor.range_noise_m),
             noise: Noise::NONE,
             kind: reported,
+            beside: Beside::NONE,
         };
         Ok(SimulatedScan { rows: sensor.rows, columns: sensor.columns, range_m, truth, geometry })
     }
@@ -304,6 +310,8 @@ enum Directions {
     Angular { rows: Vec<CosSin>, columns: Vec<CosSin>, join: fn(CosSin, CosSin) -> [f64; 3] },
     /// Focal lengths and centre, along a row and along a column.
     Pinhole { f_px: [f64; 2], c_px: [f64; 2] },
+    /// One for each pixel, and the pixels of a row.
+    Free(Vec<[f32; 3]>, usize),
 }
 
 impl Directions {
@@ -329,6 +337,7 @@ impl Directions {
             Kind::Pinhole { fx_px, fy_px, cx_px, cy_px, .. } => {
                 Directions::Pinhole { f_px: [*fx_px, *fy_px], c_px: [*cx_px, *cy_px] }
             }
+            Kind::Free { directions, columns, .. } => Directions::Free(directions.clone(), *columns),
         }
     }
 
@@ -340,6 +349,7 @@ impl Directions {
                 let n = libm::sqrt(1.0 + u * u + v * v);
                 [1.0 / n, u / n, v / n]
             }
+            Directions::Free(directions, columns) => directions[row * columns + column].map(f64::from),
         }
     }
 }

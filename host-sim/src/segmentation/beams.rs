@@ -1,6 +1,6 @@
 //! The beams of a range image as the core wants them.
 
-use scanseg_core::{Beams, Columns};
+use scanseg_core::{Beams, Columns, RowBeams};
 use scanseg_formats::{Angles, Geometry, GeometryError, Kind};
 
 /// The beams of a scan, as the core wants them: `f32`, radians.
@@ -9,8 +9,13 @@ pub struct ScanBeams {
     kind: Kind,
     /// Column angles, if they are listed.
     columns_rad: Vec<f32>,
+    /// How much more than its row each column is turned, if any is.
+    turns_rad: Vec<f32>,
     /// One angle per row: turn, elevation, or 0 for a pinhole.
     rows_rad: Vec<f32>,
+    /// What is added to the angles of the columns of each row.
+    offsets_rad: Vec<f32>,
+    lever_arm_m: f32,
 }
 
 impl ScanBeams {
@@ -22,9 +27,11 @@ impl ScanBeams {
     pub fn new(geometry: &Geometry, rows: usize, columns: usize) -> Result<ScanBeams, GeometryError> {
         geometry.fits(rows, columns)?;
         let list = |angles: &Angles, count| (0..count).map(|i| radians(angles.at(i))).collect::<Vec<_>>();
+        let beside = &geometry.beside;
+        let turned = beside.column_offset_deg.is_some();
         let (rows_rad, columns_rad) = match &geometry.kind {
             Kind::Nodding { beam_deg, turn_deg, .. } => {
-                let listed = matches!(beam_deg, Angles::Listed(_));
+                let listed = turned || matches!(beam_deg, Angles::Listed(_));
                 (list(turn_deg, rows), if listed { list(beam_deg, columns) } else { vec![] })
             }
             Kind::Spinning { azimuth_deg, elevation_deg, wraps } => {
@@ -36,9 +43,17 @@ impl ScanBeams {
                 };
                 (list(elevation_deg, rows), if listed { list(azimuth_deg, columns) } else { vec![] })
             }
-            Kind::Pinhole { .. } => (vec![0.0; rows], vec![]),
+            Kind::Pinhole { .. } | Kind::Free { .. } => (vec![0.0; rows], vec![]),
         };
-        Ok(ScanBeams { kind: geometry.kind.clone(), columns_rad, rows_rad })
+        let turns = if turned { columns } else { 0 };
+        Ok(ScanBeams {
+            kind: geometry.kind.clone(),
+            columns_rad,
+            turns_rad: (0..turns).map(|column| radians(beside.column_deg(column))).collect(),
+            rows_rad,
+            offsets_rad: (0..rows).map(|row| radians(beside.row_deg(row))).collect(),
+            lever_arm_m: beside.lever_arm_m as f32,
+        })
     }
 
     /// Returns the beams for the core.
@@ -47,7 +62,8 @@ impl ScanBeams {
             Angles::Even { start_deg, step_deg } if self.columns_rad.is_empty() => {
                 Columns::Even { start_rad: radians(start_deg), step_rad: step_deg.to_radians() as f32 }
             }
-            _ => Columns::Listed(&self.columns_rad),
+            _ if self.turns_rad.is_empty() => Columns::Listed(&self.columns_rad),
+            _ => Columns::Beside { angles_rad: &self.columns_rad, turns_rad: &self.turns_rad },
         };
         match &self.kind {
             Kind::Nodding { beam_deg, turn_axis, .. } => {
@@ -60,12 +76,18 @@ impl ScanBeams {
                 let [fx_px, fy_px, cx_px, cy_px] = [fx_px, fy_px, cx_px, cy_px].map(|px| px as f32);
                 Beams::Pinhole { fx_px, fy_px, cx_px, cy_px }
             }
+            Kind::Free { wraps, .. } => Beams::Free { wraps: *wraps },
         }
     }
 
-    /// Returns the angle to push with each row, radians.
-    pub fn rows_rad(&self) -> &[f32] {
-        &self.rows_rad
+    /// Returns what to push with a row, 0 to less than the number of rows.
+    pub fn row(&self, row: usize) -> RowBeams<'_> {
+        match &self.kind {
+            Kind::Free { directions, columns, .. } => RowBeams::free(&directions[row * columns..(row + 1) * columns]),
+            _ => RowBeams::from(self.rows_rad[row])
+                .with_offset_rad(self.offsets_rad[row])
+                .with_lever_arm_m(self.lever_arm_m),
+        }
     }
 }
 
@@ -84,24 +106,15 @@ mod tests {
             let azimuth_deg = Angles::Even { start_deg: 540.0, step_deg: step };
             let elevation_deg = Angles::Listed(vec![10.0, -5.0]);
             let kind = Kind::Spinning { azimuth_deg, elevation_deg, wraps };
-            let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-            let geometry = Geometry {
-                unit_m: 0.001,
-                no_return: vec![],
-                min_range_m,
-                max_range_m,
-                range_noise_m,
-                noise: scanseg_formats::Noise::NONE,
-                kind,
-            };
-            ScanBeams::new(&geometry, 2, columns).unwrap()
+            ScanBeams::new(&Geometry::of(kind), 2, columns).unwrap()
         };
         let closed = spinning(-3.6, 100, true);
         let Beams::Spinning { columns: Columns::Even { start_rad, step_rad }, wraps: true } = closed.beams() else {
             panic!("{closed:?}");
         };
         assert_eq!((start_rad, step_rad), (std::f32::consts::PI, (-3.6f64).to_radians() as f32));
-        assert_eq!(closed.rows_rad(), [10f64, -5.0].map(|deg| deg.to_radians() as f32));
+        let elevations_rad = [0, 1].map(|row| closed.row(row).turn_rad);
+        assert_eq!(elevations_rad, [10f64, -5.0].map(|deg| deg.to_radians() as f32));
         // half a step is missing at the seam
         let open = spinning(-3.582, 100, true);
         let Beams::Spinning { columns: Columns::Listed(list), wraps: true } = open.beams() else { panic!("{open:?}") };

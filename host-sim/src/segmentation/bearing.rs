@@ -21,7 +21,7 @@ pub fn bearing_image(
     let beams = ScanBeams::new(geometry, scan.rows, scan.columns)?;
     let row = |row: usize| Row {
         ranges_m: &scan.range_m[row * scan.columns..(row + 1) * scan.columns],
-        turn_rad: beams.rows_rad()[row],
+        beams: beams.row(row),
         row,
     };
     let mut counts = vec![0; scan.rows * scan.columns];

@@ -1,6 +1,16 @@
 //! The memory of a segmenter, on the heap.
 
-use scanseg_core::{AnyConfig, Approach, Area, Memory, Sizes, live_labels};
+use scanseg_core::{AnyConfig, Approach, Area, Beams, Memory, Sizes, live_labels};
+
+/// Returns the size of a table of live areas that has room for any image of so many columns.
+#[must_use]
+pub fn enough_labels(approach: Approach, columns: usize) -> usize {
+    match approach {
+        // one for each pixel of two rows
+        Approach::Plane => 2 * columns,
+        Approach::Edge | Approach::Region => live_labels(columns),
+    }
+}
 
 /// The slices that a segmenter works in.
 #[derive(Clone, Debug)]
@@ -12,16 +22,13 @@ pub struct OwnedMemory {
 }
 
 impl OwnedMemory {
-    /// Returns memory for images of `columns` columns, with a table of `max_labels` areas; without
-    /// it there is room for any image.
+    /// Returns memory for images of `columns` columns with any beams, with a table of `max_labels`
+    /// areas; without it there is room for any image.
     pub fn new<'a>(config: impl Into<AnyConfig<'a>>, columns: usize, max_labels: Option<usize>) -> OwnedMemory {
         let config = config.into();
-        let enough = match config.approach() {
-            // one for each pixel of two rows
-            Approach::Plane => 2 * columns,
-            Approach::Edge | Approach::Region => live_labels(columns),
-        };
-        OwnedMemory::of(config.sizes_with(columns, max_labels.unwrap_or(enough).min(enough)))
+        let enough = enough_labels(config.approach(), columns);
+        let areas = max_labels.unwrap_or(enough).min(enough);
+        OwnedMemory::of(Sizes { areas, ..config.sizes_for(&Beams::Free { wraps: false }, columns) })
     }
 
     /// Returns memory of these sizes.

@@ -1,9 +1,11 @@
 //! Whole scans through the core: beams and memory from a geometry file, rows pushed one by one,
 //! results collected.
 
+mod apart;
 mod beams;
 mod bearing;
 mod error;
+mod found;
 mod memory;
 mod noise;
 mod ranging;
@@ -12,7 +14,7 @@ mod whole;
 pub use beams::ScanBeams;
 pub use bearing::bearing_image;
 pub use error::{SegmentationError, check_size};
-pub use memory::OwnedMemory;
+pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
 pub use ranging::ranging;
 pub use whole::Segmentation;

@@ -1,12 +1,15 @@
 //! A whole scan through the core, all results collected.
 
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 use scanseg_core::{AnyConfig, AnySegmenter, EdgeRow, Finished, Join, LabelRow, Pixel, Segment, Segmenter, Sink};
 use scanseg_formats::{Geometry, RangeImage};
 
+use crate::segmentation::apart::Apart;
 use crate::segmentation::beams::ScanBeams;
 use crate::segmentation::error::{SegmentationError, check_size};
+use crate::segmentation::found::Found;
 use crate::segmentation::memory::OwnedMemory;
 use crate::segmentation::noise::FoundNoise;
 
@@ -33,6 +36,8 @@ pub struct Segmentation {
     /// The noise of the ranges at the end of the scan; none by edges and by regions, which take
     /// what is stated, and without a return.
     pub noise: Option<FoundNoise>,
+    /// The time that the core took for all rows, without that of collecting what it found.
+    pub core_time: Duration,
 }
 
 impl Segmentation {
@@ -54,20 +59,25 @@ impl Segmentation {
         let mut memory = OwnedMemory::new(config, scan.columns, max_labels);
         let mut collected = Collected::new(scan.rows, scan.columns);
         let mut segmenter = AnySegmenter::new(config, beams.beams(), scan.columns, memory.memory())?;
-        for (row_m, &row_rad) in scan.range_m.chunks(scan.columns).zip(beams.rows_rad()) {
-            segmenter.push_row(row_m, row_rad, &mut collected)?;
+        let (begun, mut core_time) = (Instant::now(), Duration::ZERO);
+        let mut apart = Apart::new(&mut collected, || begun.elapsed());
+        for (row, row_m) in scan.range_m.chunks(scan.columns).enumerate() {
+            let pushed = Instant::now();
+            segmenter.push_row(row_m, beams.row(row), &mut apart)?;
+            core_time += pushed.elapsed();
             row_done();
         }
         let noise = FoundNoise::of(&segmenter, &scan.range_m, &config.ranging());
-        let unlabelled = match segmenter.finish(&mut collected) {
+        let finishing = Instant::now();
+        let unlabelled = match segmenter.finish(&mut apart) {
             Finished::Complete { unlabelled, .. } => unlabelled,
             Finished::Stopped => unreachable!("the sink never breaks off"),
         };
+        core_time = (core_time + finishing.elapsed()).saturating_sub(apart.spent);
         collected.apply_joins();
-        let Collected { labels, edges, closed_edges, mut segments, .. } = collected;
-        segments.sort_by_key(|s| (u32::MAX - s.pixels(), s.label));
-        let (rows, columns) = (scan.rows, scan.columns);
-        Ok(Segmentation { rows, columns, labels, edges, closed_edges, segments, unlabelled, noise })
+        let Collected { labels, edges, closed_edges, segments, .. } = collected;
+        let (rows, columns, segments) = (scan.rows, scan.columns, segments.into_sorted());
+        Ok(Segmentation { rows, columns, labels, edges, closed_edges, segments, unlabelled, noise, core_time })
     }
 
     /// Returns the segments of at least `min_pixels` pixels.
@@ -93,7 +103,7 @@ struct Collected {
     labels: Vec<u32>,
     edges: Vec<bool>,
     closed_edges: Vec<bool>,
-    segments: Vec<Segment>,
+    segments: Found,
     /// The label that each label was joined into; itself if none.
     joined_into: Vec<u32>,
 }
@@ -106,7 +116,7 @@ impl Collected {
             labels: vec![0; pixels],
             edges: vec![false; pixels],
             closed_edges: vec![false; pixels],
-            segments: vec![],
+            segments: Found::default(),
             joined_into: vec![],
         }
     }
@@ -139,13 +149,12 @@ impl Sink for Collected {
         let known = self.joined_into.len() as u32;
         self.joined_into.extend(known..=join.from.0.max(known.saturating_sub(1)));
         self.joined_into[join.from.0 as usize] = join.into.0;
-        self.segments.retain(|segment| segment.label != join.from);
+        self.segments.remove(join.from);
         ControlFlow::Continue(())
     }
 
     fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-        self.segments.retain(|known| known.label != segment.label);
-        self.segments.push(*segment);
+        self.segments.insert(segment);
         ControlFlow::Continue(())
     }
 
@@ -162,11 +171,10 @@ impl Sink for Collected {
 mod tests {
     use super::*;
     use scanseg_core::{EdgeConfig, MAX_COLUMNS, MAX_ROWS, TurnAxis};
-    use scanseg_formats::{Angles, Depth, Kind, Noise};
+    use scanseg_formats::{Angles, Depth, Kind};
 
     fn geometry(kind: Kind) -> Geometry {
-        let (min_range_m, max_range_m, range_noise_m) = (None, None, None);
-        Geometry { unit_m: 0.001, no_return: vec![], min_range_m, max_range_m, range_noise_m, noise: Noise::NONE, kind }
+        Geometry::of(kind)
     }
 
     fn camera() -> Geometry {

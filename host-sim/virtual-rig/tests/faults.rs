@@ -2,7 +2,7 @@
 
 mod tilted;
 
-use scanseg_core::{Finished, PushError, Segmenter, Sink, Status};
+use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{Baud, Session, SessionEvent};
 use scanseg_hal::pairing::MIRROR_TURN_US;
@@ -169,7 +169,16 @@ struct Numbered {
 }
 
 impl Segmenter for Numbered {
-    fn push_row<S: Sink + ?Sized>(&mut self, ranges_m: &[f32], turn_rad: f32, _: &mut S) -> Result<Status, PushError> {
+    fn push_row<'r, S: Sink + ?Sized>(
+        &mut self,
+        ranges_m: &[f32],
+        beams: impl Into<RowBeams<'r>>,
+        _: &mut S,
+    ) -> Result<Status, PushError> {
+        let (beams, columns) = (beams.into(), ranges_m.len());
+        // of the middle beam
+        let more_rad: f32 = (0..columns).map(|c| beams.column_turns.of(c)).sum();
+        let turn_rad = beams.turn_rad + more_rad / columns as f32;
         if !std::mem::replace(&mut self.under_way, true) {
             self.scans.push(vec![]);
         }

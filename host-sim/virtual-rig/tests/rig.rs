@@ -5,7 +5,7 @@ mod tilted;
 
 use std::rc::Rc;
 
-use scanseg_core::{Finished, MAX_ROWS, PushError, Segmenter, Sink, Status};
+use scanseg_core::{Finished, MAX_ROWS, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{Baud, Session, Settings, Trouble, Variant};
@@ -38,8 +38,17 @@ fn check(counters: &Counters, notes: &Notes, seen: &Seen, within_rad: f64) {
     assert_eq!(counters.scans as usize, seen.started.len());
     assert_eq!(counters.dropped() as usize, seen.dropped.len());
     assert_eq!(counters.troubles as usize, seen.troubles.len());
-    let held = counters.telegrams - counters.rows - counters.dropped();
-    assert!(held <= 1, "{counters:?}");
+    let under_way = |counters: &Counters| counters.telegrams - counters.rows - counters.dropped();
+    assert!(under_way(counters) <= 1, "{counters:?}");
+    for scan in &seen.finished {
+        let expected = match scan.end {
+            // the row held, and the one that agrees with it
+            End::Turned => 2,
+            End::Covered => 1,
+            End::Pause | End::Trouble | End::Asked => 0,
+        };
+        assert_eq!(under_way(&scan.counters), expected, "{scan:?}");
+    }
 }
 
 fn check_bench(bench: &Bench, within_rad: f64) {
@@ -246,7 +255,12 @@ fn round_and_round() {
 struct Full(usize, usize, Result<Status, PushError>);
 
 impl Segmenter for Full {
-    fn push_row<S: Sink + ?Sized>(&mut self, _: &[f32], _: f32, _: &mut S) -> Result<Status, PushError> {
+    fn push_row<'r, S: Sink + ?Sized>(
+        &mut self,
+        _: &[f32],
+        _: impl Into<RowBeams<'r>>,
+        _: &mut S,
+    ) -> Result<Status, PushError> {
         self.1 += 1;
         if self.1 < self.0 { Ok(Status::Buffered) } else { self.2 }
     }

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicU32;
 
-use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, Segment, Segmenter, Sink, Status};
+use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, RowBeams, Segment, Segmenter, Sink, Status};
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Dropped, RigSink, ScanFinished, ScanStarted};
 
@@ -23,13 +23,13 @@ fn timed<T>(ticks: &AtomicU32, work: impl FnOnce() -> T) -> T {
 
 #[deny(clippy::missing_trait_methods)]
 impl<S: Segmenter> Segmenter for Timed<S> {
-    fn push_row<T: Sink + ?Sized>(
+    fn push_row<'r, T: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut T,
     ) -> Result<Status, PushError> {
-        timed(&IN_SEGMENTER, || self.0.push_row(ranges_m, turn_rad, sink))
+        timed(&IN_SEGMENTER, || self.0.push_row(ranges_m, beams, sink))
     }
 
     fn finish<T: Sink + ?Sized>(&mut self, sink: &mut T) -> Finished {

@@ -18,16 +18,17 @@ use scanseg_formats::{Geometry, Kind, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Phase, Settings, Unit, Variant};
 use scanseg_hal::rig::{Rig, RigSink, TiltLimits};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 use scanseg_virtual_rig::{Arrival, Chain, Motion, scanner_on_tilt};
 
 use crate::command::input::Input;
 use crate::command::messages::{Host, LinkOptions, counters_line};
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
 use crate::command::rig::faults::{Fault, Faults, parse_fault};
 use crate::command::rig::live::Live;
 use crate::command::rig::surroundings::{Ranges, office, recorded};
+use crate::command::warnings;
 
 /// Run a virtual scanner on a virtual tilt, its wires, drivers, segmenter and link
 ///
@@ -42,7 +43,7 @@ pub struct Arguments {
     /// Instead of an office, a range image of a nodding scanner
     #[arg(long, value_name = "FILE", requires = "geometry")]
     scan: Option<PathBuf>,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE", requires = "scan")]
     geometry: Option<PathBuf>,
     /// Stop after so many scans; the first begins anywhere in the sweep
@@ -92,6 +93,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         AnySegmenter::new(config, beams.beams(), COLUMNS, memory.memory()).map_err(|e| refused(e.into()))?;
     let mut rows_m = [0.0; 2 * COLUMNS];
     let rig = Rig::new(SETTINGS, LIMITS, segmenter, &mut rows_m)?;
+    let stated = arguments.options.states_noise(&geometry);
+    warnings::no_noise("rig", &config, stated).iter().for_each(|warning| warn(warning));
     let faults = Faults::new(&arguments.faults);
     let motion: Motion = Rc::new(nod);
     let mut lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(SETTINGS.baud, SETTINGS.variant);
@@ -104,18 +107,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut screen = Screen::new(&host)?;
     let scans = arguments.scans as usize;
     let save = arguments.save.is_some().then_some(&mut saved);
-    let over = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save)?;
-    if over < scans {
-        live.sink.send(&Message::Status(chain.rig.counters()));
-        print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
-    }
+    let run = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save);
+    let told = run.and_then(|over| {
+        if over < scans {
+            live.sink.send(&Message::Status(chain.rig.counters()));
+            print(&format!("{}\n", host.borrow().lines.join("\n")))?;
+        }
+        Ok(())
+    });
+    let (enough, unlabelled) = (enough_labels(config.approach(), COLUMNS), host.borrow().unlabelled);
+    let full = warnings::unlabelled_pixels("rig", unlabelled, enough, arguments.options.max_labels());
+    full.iter().for_each(|warning| warn(warning));
+    // what has come until a reader went is kept
     if let Some(path) = &arguments.save {
         write_atomic(path, saved.to_text().as_bytes())?;
     }
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.borrow().bytes)?;
     }
-    Ok(())
+    told
 }
 
 /// Returns what the scanner looks at, and where its beams point.
@@ -163,8 +173,6 @@ fn run_scans<S: Segmenter, R: RigSink>(
 /// someone to look.
 struct Screen<'a> {
     host: &'a RefCell<Host>,
-    /// Lines printed so far.
-    shown: usize,
     bar: ProgressBar,
     started: Instant,
 }
@@ -172,18 +180,17 @@ struct Screen<'a> {
 impl<'a> Screen<'a> {
     fn new(host: &'a RefCell<Host>) -> Result<Screen<'a>, Failure> {
         let style = ProgressStyle::with_template("{spinner} {prefix}\n{wide_msg}")?;
-        Ok(Screen { host, shown: 0, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
+        Ok(Screen { host, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
     }
 
     /// Prints what is new, up to the end of the last of so many scans. Returns how many of them are
     /// over.
     fn print_lines(&mut self, scans: usize) -> Result<usize, Failure> {
-        let host = self.host.borrow();
-        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(host.lines.len());
-        for line in &host.lines[self.shown..end] {
+        let mut host = self.host.borrow_mut();
+        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(usize::MAX);
+        for line in host.take_lines(end) {
             self.bar.suspend(|| print(&format!("{line}\n")))?;
         }
-        self.shown = end;
         Ok(host.scan_ends.len().min(scans))
     }
 

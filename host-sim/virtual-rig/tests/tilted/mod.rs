@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-use scanseg_core::{Finished, LabelRow, PushError, Segmenter, Sink, Status};
+use scanseg_core::{Finished, LabelRow, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Settings, Trouble, Unit, Variant};
 use scanseg_hal::rig::{Counters, Dropped, Rig, RigSink, ScanFinished, ScanStarted, TiltLimits};
 use scanseg_virtual_rig::{Arrival, Chain, Motion, scanner_on_tilt};
@@ -48,7 +48,16 @@ pub struct Row {
 pub struct Notes(pub Rc<RefCell<Vec<Vec<Row>>>>);
 
 impl Segmenter for Notes {
-    fn push_row<S: Sink + ?Sized>(&mut self, ranges_m: &[f32], turn_rad: f32, _: &mut S) -> Result<Status, PushError> {
+    fn push_row<'r, S: Sink + ?Sized>(
+        &mut self,
+        ranges_m: &[f32],
+        beams: impl Into<RowBeams<'r>>,
+        _: &mut S,
+    ) -> Result<Status, PushError> {
+        let (beams, columns) = (beams.into(), ranges_m.len());
+        // of the middle beam
+        let more_rad: f32 = (0..columns).map(|c| beams.column_turns.of(c)).sum();
+        let turn_rad = f64::from(beams.turn_rad + more_rad / columns as f32);
         let mut sorted = ranges_m.to_vec();
         sorted.sort_by(f32::total_cmp);
         let truth_rad = f64::from(sorted[sorted.len() / 2]) - 5.0;
@@ -56,7 +65,7 @@ impl Segmenter for Notes {
         if scans.is_empty() {
             scans.push(vec![]);
         }
-        scans.last_mut().unwrap().push(Row { turn_rad: turn_rad.into(), truth_rad });
+        scans.last_mut().unwrap().push(Row { turn_rad, truth_rad });
         Ok(Status::Buffered)
     }
 
