@@ -138,11 +138,11 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
             let geometry = read_geometry(path)?;
-            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
+            let capture_and_geometry = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
                 CaptureError::Geometry { .. } => with_page(&format!("{}: does not fit {name}: {e}", path.display())),
                 e => file_error(e.into()).into(),
             })?;
-            Ok((capture, geometry))
+            Ok(capture_and_geometry)
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),
     }
