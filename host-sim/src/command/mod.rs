@@ -18,6 +18,7 @@ mod rig;
 mod say;
 mod scene_set;
 mod segment;
+mod shown;
 #[cfg(unix)]
 mod signals;
 mod warnings;
