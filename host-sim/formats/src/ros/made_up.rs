@@ -6,8 +6,8 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use byteorder::LittleEndian;
-use mcap::records::MessageHeader;
 use mcap::WriteOptions;
+use mcap::records::MessageHeader;
 use serde::Serialize;
 
 /// A message as it is recorded.
