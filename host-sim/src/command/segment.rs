@@ -6,9 +6,11 @@ use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::GreyImage;
+use scanseg_sim::export::Segmented;
 use scanseg_sim::overview::{Images, overview};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
+use crate::command::exports::ExportOptions;
 use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
@@ -36,6 +38,8 @@ pub struct Arguments {
 /// What is written of a segmentation.
 #[derive(Args)]
 pub struct ListOptions {
+    #[command(flatten)]
+    exports: ExportOptions,
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     min_pixels: u32,
@@ -73,7 +77,17 @@ pub fn segment(
     bar.finish_and_clear();
 
     let numbers = segmentation.numbers(lists.min_pixels);
-    let listing = listing(input, &config, &segmentation, lists.min_pixels);
+    let stated = options.states_noise(&input.geometry);
+    let segmented = Segmented {
+        image: &input.ranges,
+        geometry: &input.geometry,
+        ranging: &config.ranging(),
+        range_noise_m: if stated { &[] } else { &segmentation.range_noise_m },
+        numbers: &numbers,
+        segments: segmentation.of_pixels(lists.min_pixels),
+    };
+    let mut listing = listing(input, &config, &segmentation, lists.min_pixels);
+    listing.set_planarities(&segmented.planarities());
     let labels_png = labels_png(input, &numbers, &listing)?;
     let [horizontal, vertical, diagonal, antidiagonal] =
         bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
@@ -98,7 +112,6 @@ pub fn segment(
         ("segments.json", listing.json()?),
     ];
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
-    let stated = options.states_noise(&input.geometry);
     let mut all = warnings::of_scan(input, &config, stated);
     all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
     all.iter().for_each(|warning| warn(warning));
@@ -106,7 +119,9 @@ pub fn segment(
     let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
     let remarks = input.remarks();
     let summary = format!("{remarks}{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
-    Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
+    let mut files: Files = files.map(|(name, bytes)| (name.to_string(), bytes)).into();
+    files.extend(lists.exports.files(&segmented)?);
+    Ok((files, summary))
 }
 
 /// Returns the edges of the traces along rows alone, and of those along columns alone: of the
