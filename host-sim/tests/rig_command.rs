@@ -99,6 +99,24 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
         assert!(found.centroid_m.iter().zip(expected.centroid_m).all(|(a, b)| (a - b).abs() < 1e-3));
     }
 
+    // The files are those of `segment`, and the labels too.
+    let names = |folder: &Path| {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    for approach in ["--approach plane", "--traces row*4,column*4"] {
+        let options = format!("--geometry geometry.toml {approach} --range-noise-m 0.001 --min-pixels 5 --out");
+        let text = succeeds(&folder, &format!("replay raw.bin --range-bits 15 {options} replayed"));
+        assert!(text.ends_with("look at replayed/scan-1/overview.png\n"), "{text}");
+        fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
+        succeeds(&folder, &format!("segment scan.pgm {options} segmented"));
+        let [replayed, segmented] = ["replayed/scan-1", "segmented"].map(|name| folder.join(name));
+        assert_eq!(names(&replayed), names(&segmented));
+        let [a, b] = [&replayed, &segmented].map(|out| fs::read(out.join("labels.png")).unwrap());
+        assert!(a == b, "{approach}");
+    }
+
     // A damaged telegram costs its row, and the rows after it keep their turn angles.
     raw[10 * 732 + 100] ^= 1;
     raw.remove(30 * 732 + 300);
@@ -118,6 +136,10 @@ fn reset_and_stuck_encoder() {
         "{text}"
     );
     assert!(text.contains("scan 5 over (turned): 200 rows"), "{text}");
+
+    // as many scans as it takes: the encoder would stick while the scanner sets up again
+    let text = succeeds(&folder, "rig --faults reset=3,stuck=6");
+    assert!(text.contains("trouble: scans have stopped") && text.contains(" while the tilt stood"), "{text}");
 }
 
 #[test]

@@ -7,9 +7,9 @@ use scanseg_sim::export::{Segmented, mcap, points};
 use crate::command::output::{Failure, Files};
 
 /// What is written beside the usual results.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct ExportOptions {
-    /// Also write, for other programs: points.ply and outlines.ply; points.pcd; outlines.json;
+    /// Also write, for other programs: outlines.ply; points.pcd; outlines.json;
     /// outlines.csv; outlines.geojson; recording.mcap. See docs/formats.md
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     write: Vec<Export>,
@@ -17,7 +17,7 @@ pub struct ExportOptions {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Export {
-    /// Labelled points, and the outlines of the segments as faces
+    /// Outlines of the segments, as faces
     Ply,
     /// Labelled points, organised
     Pcd,
@@ -41,9 +41,6 @@ impl ExportOptions {
         }
         if asked(Export::Mcap) {
             files.push(("recording.mcap", mcap::mcap(scan)?));
-        }
-        if asked(Export::Ply) {
-            files.push(("points.ply", points::ply(scan)));
         }
         if [Export::Ply, Export::Json, Export::Csv, Export::Geojson].into_iter().any(asked) {
             let outlines = Outlines::of(scan);

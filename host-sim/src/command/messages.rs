@@ -13,7 +13,7 @@ use scanseg_hal::rig::Counters;
 pub struct LinkOptions {
     /// Smaller segments are left out
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
-    min_pixels: u32,
+    pub min_pixels: u32,
     /// Write the frames of the link to this file, for scanseg listen
     #[arg(long, value_name = "FILE")]
     pub link: Option<PathBuf>,
@@ -124,6 +124,8 @@ pub fn counters_line(counters: &Counters) -> String {
         (counters.refused, "refused"),
         (counters.encoder_errors, "encoder errors"),
         (counters.troubles, "troubles"),
+        (counters.overruns, "bytes taken too late"),
+        (counters.queue_full, "bytes before a full queue"),
     ] {
         if count > 0 {
             text += &format!(", {count} {why}");

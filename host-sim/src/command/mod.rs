@@ -19,6 +19,7 @@ mod rig;
 mod say;
 mod scene_set;
 mod segment;
+mod shown;
 #[cfg(unix)]
 mod signals;
 mod warnings;

@@ -1,6 +1,6 @@
 //! `scanseg replay`: what a scanner and its tilt said, through the same code as on a board.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
@@ -10,12 +10,13 @@ use scanseg_formats::{Angles, FileError, Geometry, Kind, read_at_most, write_ato
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Action, Session};
 use scanseg_hal::rig::{Rig, RigSink};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
+use scanseg_sim::segmentation::{OwnedMemory, RecordedScan, Recorder, ScanBeams, SegmentationError, enough_labels};
 
-use crate::command::input::{read_geometry, with_page};
+use crate::command::input::{Input, read_geometry, with_page};
 use crate::command::messages::LinkOptions;
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print, warn};
+use crate::command::output::{Failure, print, warn, write};
+use crate::command::segment::{ListOptions, segment};
 use crate::command::warnings;
 
 /// Replay what was recorded of a scanner: telegrams to segments, as on a board
@@ -34,6 +35,10 @@ pub struct Arguments {
     /// says so
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(13..=16), requires = "geometry")]
     range_bits: Option<u32>,
+    /// Folder for the files that scanseg segment writes, in a folder scan-N for scan N; made if it
+    /// is not there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     link: LinkOptions,
     #[command(flatten)]
@@ -57,6 +62,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut memory = OwnedMemory::new(config, columns, arguments.options.max_labels());
     let segmenter =
         AnySegmenter::new(config, beams.beams(), columns, memory.memory()).map_err(|e| refused(e.into()))?;
+    let scans = Rc::default();
+    let segmenter = Recorder::new(segmenter, &scans);
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig =
         Rig::new(capture.settings, capture.limits, segmenter, &mut rows_m).map_err(|e| format!("{name}: {e}"))?;
@@ -84,7 +91,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.link.link {
         write_atomic(path, &host.bytes)?;
     }
-    played
+    played?;
+    let Some(out) = &arguments.out else { return Ok(()) };
+    for (number, scan) in (1..).zip(scans.take()) {
+        write_scan(out, number, scan, &geometry, arguments)?;
+    }
+    Ok(())
+}
+
+/// Writes what `scanseg segment` writes of a scan.
+fn write_scan(
+    out: &Path,
+    number: u32,
+    scan: RecordedScan,
+    geometry: &Geometry,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
+    let mut geometry = geometry.clone();
+    if let Kind::Nodding { turn_deg, .. } = &mut geometry.kind {
+        *turn_deg = Angles::Listed(scan.turns_rad.iter().map(|rad| f64::from(*rad).to_degrees()).collect());
+    }
+    let ranges = scan.image();
+    let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
+    let name = format!("{}, scan {number}", arguments.capture.display());
+    let config = arguments.options.config(&geometry)?;
+    let input = Input { name, geometry, ranges, counts, remarks: vec![] };
+    let lists = ListOptions::usual(arguments.link.min_pixels);
+    let (files, _) = segment(&input, config, &arguments.options, &lists)?;
+    let folder = out.join(format!("scan-{number}"));
+    write(&folder, &files)?;
+    print(&format!("look at {}\n", folder.join("overview.png").display()))
 }
 
 /// Reads the capture, or makes one of raw bytes, and the geometry of its scans.
@@ -102,11 +138,11 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
             let geometry = read_geometry(path)?;
-            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
+            let capture_and_geometry = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
                 CaptureError::Geometry { .. } => with_page(&format!("{}: does not fit {name}: {e}", path.display())),
                 e => file_error(e.into()).into(),
             })?;
-            Ok((capture, geometry))
+            Ok(capture_and_geometry)
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),
     }

@@ -33,34 +33,3 @@ pub(super) fn record(scan: &Segmented<'_>, pixel: usize) -> [u8; RECORD_BYTES] {
     }
     bytes
 }
-
-/// Returns a binary PLY file with a vertex for each return: x, y, z in metres, red, green, blue, and
-/// label, 0 for no segment. A range grid tells the vertex of each pixel, row by row.
-pub fn ply(scan: &Segmented<'_>) -> Vec<u8> {
-    let (rows, columns) = (scan.image.rows, scan.image.columns);
-    let returns = scan.image.range_m.iter().filter(|range_m| **range_m > 0.0).count();
-    let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\nobj_info num_cols {columns}\nobj_info num_rows {rows}\n\
-         element vertex {returns}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
-         property uchar green\nproperty uchar blue\nproperty int label\nelement range_grid {}\n\
-         property list uchar int vertex_indices\nend_header\n",
-        rows * columns
-    )
-    .into_bytes();
-    for pixel in 0..rows * columns {
-        let Some(point) = scan.point(pixel) else { continue };
-        point.iter().for_each(|x| bytes.extend((*x as f32).to_le_bytes()));
-        bytes.extend(label_colour(scan.numbers[pixel]));
-        bytes.extend(scan.numbers[pixel].to_le_bytes());
-    }
-    let mut vertex = 0u32;
-    for range_m in &scan.image.range_m {
-        let measured = *range_m > 0.0;
-        bytes.push(measured.into());
-        if measured {
-            bytes.extend(vertex.to_le_bytes());
-            vertex += 1;
-        }
-    }
-    bytes
-}

@@ -9,6 +9,7 @@ mod found;
 mod memory;
 mod noise;
 mod ranging;
+mod recorder;
 mod whole;
 
 pub use beams::ScanBeams;
@@ -17,4 +18,5 @@ pub use error::{SegmentationError, check_size};
 pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
 pub use ranging::ranging;
+pub use recorder::{RecordedScan, Recorder};
 pub use whole::Segmentation;

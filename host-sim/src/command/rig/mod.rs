@@ -46,12 +46,13 @@ pub struct Arguments {
     /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE", requires = "scan")]
     geometry: Option<PathBuf>,
-    /// Stop after so many scans; the first begins anywhere in the sweep
+    /// Stop after so many scans, but not before all of --faults has struck; the first begins
+    /// anywhere in the sweep
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
     scans: u32,
     /// What goes wrong: loss=RATE, flip=RATE, insert=RATE of the bytes on the scanner's wires;
     /// reset=SECONDS, when the scanner's power fails; stuck=SECONDS, when its encoder sticks, for a
-    /// second
+    /// second (or, while no row comes, as soon as rows come again); up to 600 s
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_fault)]
     faults: Vec<Fault>,
     /// Write what came from scanner and encoder, for scanseg replay
@@ -108,8 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scans = arguments.scans as usize;
     let save = arguments.save.is_some().then_some(&mut saved);
     let run = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save);
-    let told = run.and_then(|over| {
-        if over < scans {
+    let told = run.and_then(|complete| {
+        if !complete {
             live.sink.send(&Message::Status(chain.rig.counters()));
             print(&format!("{}\n", host.borrow().lines.join("\n")))?;
         }
@@ -144,27 +145,31 @@ fn surroundings(arguments: &Arguments) -> Result<(Geometry, Ranges), Failure> {
     Ok((geometry, recorded(input)?))
 }
 
-/// Runs the chain until so many scans are over, or none will come any more. Returns how many are
-/// over.
+/// Runs the chain until so many scans are over, and a scan after the last fault, or until none will
+/// come any more. Returns whether they are over.
 fn run_scans<S: Segmenter, R: RigSink>(
-    scans: usize,
+    mut scans: usize,
     chain: &mut Chain<'_, S>,
     mut faults: Faults,
     live: &mut Live<R>,
     screen: &mut Screen<'_>,
     mut save: Option<&mut Capture>,
-) -> Result<usize, Failure> {
+) -> Result<bool, Failure> {
     loop {
         faults.strike(chain);
         let came = chain.step(live);
         if let Some(capture) = &mut save {
             keep(capture, came, chain.phase());
         }
-        let over = screen.print_lines(scans)?;
+        if !faults.are_over() {
+            scans = scans.max(screen.scans_over() + 1);
+        }
+        screen.print_lines(scans)?;
         screen.draw(&live.row, chain);
-        if over >= scans || chain.now_us() > PATIENCE_US * scans as u64 {
+        let complete = screen.scans_over() >= scans;
+        if complete || chain.now_us() > PATIENCE_US * scans as u64 {
             screen.bar.finish_and_clear();
-            return Ok(over);
+            return Ok(complete);
         }
     }
 }
@@ -183,15 +188,19 @@ impl<'a> Screen<'a> {
         Ok(Screen { host, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
     }
 
-    /// Prints what is new, up to the end of the last of so many scans. Returns how many of them are
-    /// over.
-    fn print_lines(&mut self, scans: usize) -> Result<usize, Failure> {
+    /// Returns how many scans are over.
+    fn scans_over(&self) -> usize {
+        self.host.borrow().scan_ends.len()
+    }
+
+    /// Prints what is new, up to the end of the last of so many scans.
+    fn print_lines(&mut self, scans: usize) -> Result<(), Failure> {
         let mut host = self.host.borrow_mut();
         let end = host.scan_ends.get(scans - 1).copied().unwrap_or(usize::MAX);
         for line in host.take_lines(end) {
             self.bar.suspend(|| print(&format!("{line}\n")))?;
         }
-        Ok(host.scan_ends.len().min(scans))
+        Ok(())
     }
 
     /// Draws the last row, in real time. Does nothing where nobody looks.
