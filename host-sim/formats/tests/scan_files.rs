@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use scanseg_formats::{Geometry, GreyImage, Kind, RangeImage, ReadOptions, Scan, ScanFile};
+use scanseg_formats::{Kind, ReadOptions, Scan, ScanFile};
 
 /// A recorded file, if the data are there.
 fn shared(name: &str) -> Option<PathBuf> {
