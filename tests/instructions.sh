@@ -49,6 +49,23 @@ awk -v a="${values[0]}" -v b="${values[1]}" -v c="${values[2]}" \
     if (f > 1.1 * d || d > 280 || e > 240 || f > 190) { print "regions: cost per point above its ceiling (280, 240, 190)"; exit 1 }
 }'
 
+# The cost as scans grow, for the page of `scanseg experiment`: the committed record, which UPDATE=1 writes anew.
+record=host-sim/src/experiment/instructions.csv
+counted=$work/instructions.csv
+echo "method,rows,columns,instructions per point" >"$counted"
+for size in "75 135" "110 198" "160 289" "233 421" "340 614" "496 896" "723 1305"; do
+    set -- $size
+    "$cost" make "$1" "$2" nodding "$work/scene"
+    for method in plane:default edge:edge-based region:region-based; do
+        echo "${method#*:},$1,$2,$(per_point run "$work/scene" nodding "${method%:*}")" >>"$counted"
+    done
+done
+[ -z "${UPDATE:-}" ] || cp "$counted" "$record"
+awk -F, 'NR == FNR {known[$1, $2] = $4; next}
+    FNR > 1 && !(known[$1, $2] && $4 < 1.05 * known[$1, $2] && known[$1, $2] < 1.05 * $4) {print "not on record: " $0; wrong = 1}
+    END {exit wrong}' "$record" "$counted" || { echo "$record is not of this core: UPDATE=1 bash tests/instructions.sh"; exit 1; }
+echo "$record holds"
+
 good=true
 within() { # value ceiling scene
     awk -v value="$1" -v most="$2" 'BEGIN {exit value > most}' || { echo "$3: above its ceiling ($2)"; good=false; }

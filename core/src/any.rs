@@ -109,6 +109,7 @@ impl From<RegionConfig> for AnyConfig<'_> {
 
 /// A segmenter of any approach, chosen at run time. As large as the largest of them.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // there is no heap to put the largest one on
 pub enum AnySegmenter<'a> {
     /// By planes.
     Plane(PlaneSegmenter<'a>),

@@ -91,8 +91,8 @@ pub enum Beams<'a> {
         /// Row of the optical axis.
         cy_px: f32,
     },
-    /// Any beams: each row brings [`RowBeams::directions`]. Takes some two times as long as the other
-    /// kinds, so take one of those where the beams are so arranged.
+    /// Any beams: each row brings [`RowBeams::directions`](crate::RowBeams::directions). Takes some
+    /// two times as long as the other kinds, so take one of those where the beams are so arranged.
     Free {
         /// Whether the last column neighbours the first.
         wraps: bool,

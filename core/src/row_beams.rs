@@ -105,7 +105,7 @@ impl RowBeams<'_> {
     /// Whether these can be the beams of a row of `ranges_m`.
     pub(crate) fn check(&self, beams: &Beams, ranging: &Ranging, ranges_m: &[f32]) -> Result<(), PushError> {
         use core::f32::consts::{FRAC_PI_2, TAU};
-        // turn angles of 1000 turns still have a resolution of 0.03 deg; NaN is not within
+        // turn angles of 6300 rad still have a resolution of 0.03 deg; NaN is not within
         if !(-6300.0..=6300.0).contains(&self.turn_rad) {
             return Err(PushError::TurnAngle { turn_rad: self.turn_rad });
         }

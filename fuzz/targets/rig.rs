@@ -5,7 +5,7 @@
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use scanseg_core::{
-    Finished, Label, LabelRow, MAX_ROWS, Moments, PushError, Segment, SegmentSums, Segmenter, Sink, Status,
+    Finished, Label, LabelRow, MAX_ROWS, Moments, PushError, RowBeams, Segment, SegmentSums, Segmenter, Sink, Status,
 };
 use scanseg_fuzz::scanner::{Damage, Fill, Piece, settings};
 use scanseg_hal::Latch;
@@ -82,12 +82,13 @@ struct Checker {
 }
 
 impl Segmenter for Checker {
-    fn push_row<S: Sink + ?Sized>(
+    fn push_row<'r, S: Sink + ?Sized>(
         &mut self,
         ranges_m: &[f32],
-        turn_rad: f32,
+        beams: impl Into<RowBeams<'r>>,
         sink: &mut S,
     ) -> std::result::Result<Status, PushError> {
+        let turn_rad = beams.into().turn_rad;
         assert_eq!(ranges_m.len(), self.columns);
         assert!(ranges_m.iter().all(|range_m| range_m.is_finite() && *range_m >= 0.0) && turn_rad.is_finite());
         self.turns_rad.push(turn_rad);

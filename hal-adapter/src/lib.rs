@@ -3,6 +3,8 @@
 //!
 //! - [`lms2xx`]: the SICK LMS 2xx line scanner. A telegram decoder and a session that need no port,
 //!   and a scanner on an embedded-io port, blocking or async.
+//! - [`ld06`]: LDROBOT LD06, LD19 and STL-27L. [`rplidar`]: Slamtec RPLIDAR A1, A2, C1 and S2.
+//! - [`scanner`]: what all line scanners are to their user: bytes in, rows out.
 //! - [`encoder`]: angle encoders behind one trait: AS5048A (SPI), AS5600 (I2C), quadrature; and
 //!   their calibration.
 //! - [`pairing`]: the turn angle of a scan line, and of each beam within it.
@@ -49,11 +51,14 @@ mod bytes;
 mod clock;
 pub mod encoder;
 mod latch;
+pub mod ld06;
 #[cfg(feature = "link")]
 pub mod link;
 pub mod lms2xx;
 pub mod pairing;
 pub mod rig;
+pub mod rplidar;
+pub mod scanner;
 
 pub use clock::Clock;
 pub use latch::Latch;

@@ -48,7 +48,7 @@ fn the_command_writes_a_page_figures_and_tables() {
     let lines = |name: &str| text(name).lines().count();
     assert_eq!(lines("scenes.csv"), 1 + 2 * methods * noises * 2);
     assert_eq!(lines("curves.csv"), 1 + methods * noises * 50);
-    assert_eq!(lines("cost.csv"), 1 + methods * 8);
+    assert_eq!(lines("cost.csv"), 1 + methods * 7);
     assert!(
         text("cost.csv").lines().skip(1).all(|line| line.split(',').next_back().unwrap().parse::<f64>().unwrap() > 0.0)
     );

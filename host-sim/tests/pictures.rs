@@ -1,15 +1,8 @@
 //! Pictures: what is drawn where, and that colours tell apart what they should.
 
-mod recorded;
-
 use std::f32::consts::PI;
-use std::fs;
-use std::path::Path;
 
-use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::picture::*;
-
-use recorded::recorded;
 
 const RED: Rgb = [255, 0, 0];
 
@@ -36,27 +29,63 @@ fn drawing_stops_at_the_border() {
     assert_eq!(Picture::new(0, 0, RED), Picture::new(1, 1, RED));
 }
 
+/// How dark a part of a picture is: pixels that are all black.
+fn ink(picture: &Picture, left: usize, top: usize, right: usize, bottom: usize) -> f64 {
+    let pixels = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+    pixels.filter_map(|(x, y)| picture.get(x, y)).map(|rgb| 1.0 - brightness(rgb) / 255.0).sum()
+}
+
 #[test]
-fn text_is_upright_and_scales() {
-    let mut picture = Picture::new(8, 8, WHITE);
-    picture.text(0, 0, 1, BLACK, "F");
-    let letter = ["#######.", ".##...#.", ".##.#...", ".####...", ".##.#...", ".##.....", "####....", "........"];
-    assert_eq!(drawn(&picture, BLACK), letter);
+fn text_stands_on_its_line_at_its_anchor() {
+    let style = TextStyle::new(20.0, BLACK);
+    let drawn = |style, place| {
+        let mut picture = Picture::new(100, 100, WHITE);
+        picture.text(place, style, "FL");
+        picture
+    };
+    // F and L: their stems are left, an arm is above, a foot below
+    let start = drawn(style, (30.0, 50.0));
+    let width = text_width(20.0, "FL").round() as usize;
+    assert!((20..25).contains(&width), "{width}");
+    let all = ink(&start, 0, 0, 100, 100);
+    assert!((ink(&start, 30, 34, 30 + width, 51) - all).abs() < 0.5, "all of it is above the line, right of the place");
+    let (letter_f, letter_l) = (text_width(20.0, "F").round() as usize, 30 + width);
+    assert!(ink(&start, 30, 34, 30 + letter_f, 42) > ink(&start, 30, 43, 30 + letter_f, 51));
+    assert!(ink(&start, 30 + letter_f, 42, letter_l, 51) > ink(&start, 30 + letter_f, 34, letter_l, 42));
 
-    let mut large = Picture::new(35, 17, WHITE);
-    large.text(3, 1, 2, BLACK, "lF and what has no room");
-    let mut pair = Picture::new(16, 8, WHITE);
-    pair.text(0, 0, 1, BLACK, "l");
-    pair.text(8, 0, 1, BLACK, "F");
-    let mut expected = Picture::new(35, 17, WHITE);
-    expected.blit(3, 1, &pair.scaled(32, 16));
-    assert_eq!(large, expected);
+    let at = |anchor| drawn(TextStyle { anchor, ..style }, (50.0, 50.0));
+    assert!(ink(&at(Anchor::End), 50, 0, 100, 100) < 0.5 && ink(&at(Anchor::Start), 0, 0, 50, 100) < 0.5);
+    let (left, right) = (ink(&at(Anchor::Middle), 0, 0, 50, 100), ink(&at(Anchor::Middle), 50, 0, 100, 100));
+    assert!(left > 0.3 * all && right > 0.3 * all, "{left} {right}");
+    // reads upwards: the line of the text is upright, letters are left of it
+    let upright = drawn(TextStyle { upright: true, ..style }, (50.0, 50.0));
+    assert!((ink(&upright, 34, 50 - width, 51, 51) - all).abs() < 1.0);
 
-    let mut other = Picture::new(8, 8, WHITE);
-    other.text(0, 0, 1, BLACK, "\u{b0}");
-    let mut question = Picture::new(8, 8, WHITE);
-    question.text(0, 0, 1, BLACK, "?");
-    assert_eq!(other, question);
+    // twice as large is four times the ink, and white seams do not darken
+    let large = drawn(TextStyle::new(40.0, BLACK), (30.0, 50.0));
+    assert!((ink(&large, 0, 0, 100, 100) / all - 4.0).abs() < 0.1);
+    let seam = TextStyle { halo: Some(WHITE), ..style };
+    assert_eq!(drawn(seam, (30.0, 50.0)), start);
+    // what has no room is cut, and a character that the font does not have is a box
+    assert!(ink(&drawn(style, (-5.0, 3.0)), 0, 0, 100, 100) > 0.0);
+    assert!(text_width(20.0, "\u{10ffff}") > 5.0);
+    assert_eq!(text_width(20.0, ""), 0.0);
+}
+
+#[test]
+fn lines_are_as_wide_as_asked_and_dashed() {
+    let mut picture = Picture::new(40, 20, WHITE);
+    picture.line(&[(0.0, 5.0), (40.0, 5.0)], 2.0, &[], BLACK);
+    picture.line(&[(0.0, 15.0), (40.0, 15.0)], 2.0, &[6.0, 4.0], RED);
+    let rows = drawn(&picture, BLACK);
+    assert_eq!(rows.iter().filter(|row| row.contains(&"#".repeat(40))).count(), 2);
+    assert_eq!(drawn(&picture, RED)[15], "######....".repeat(4));
+    let mut dot = Picture::new(20, 20, WHITE);
+    dot.dot((10.0, 10.0), 5.0, BLACK);
+    let area = ink(&dot, 0, 0, 20, 20) / (f64::from(PI) * 25.0);
+    // curves are drawn as pieces of lines
+    assert!((area - 1.0).abs() < 0.05, "{area}");
+    assert_eq!((dot.get(10, 10), dot.get(4, 10), dot.get(15, 15)), (Some(BLACK), Some(WHITE), Some(WHITE)));
 }
 
 #[test]
@@ -119,6 +148,32 @@ fn near_labels_look_different() {
     }
 }
 
+/// Colours as CIE Lab, to which distances are about even, after what an eye makes of them: rows of
+/// linear red, green, blue.
+fn seen(rgb: Rgb, eye: &[[f64; 3]; 3]) -> [f64; 3] {
+    let linear = rgb.map(|c| (f64::from(c) / 255.0).powf(2.2));
+    let times = |matrix: &[[f64; 3]; 3], v: [f64; 3]| matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+    let xyz = [[0.434, 0.376, 0.190], [0.213, 0.715, 0.072], [0.018, 0.109, 0.873]];
+    let [x, y, z] = times(&xyz, times(eye, linear).map(|c| c.clamp(0.0, 1.0))).map(f64::cbrt);
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// Red-blind, green-blind and blue-blind (Machado et al. 2009).
+#[test]
+fn the_colour_blind_can_tell_labels_apart() {
+    let normal = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let red = [[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]];
+    let green = [[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]];
+    let blue = [[1.256, -0.077, -0.179], [-0.078, 0.931, 0.148], [0.005, 0.691, 0.304]];
+    for (eye, least) in [(normal, 15.0), (red, 12.0), (green, 12.0), (blue, 8.0)] {
+        for (a, b) in (0..20).flat_map(|a| (a + 1..=20).map(move |b| (a, b))) {
+            let [first, second] = [a, b].map(|label| seen(label_colour(label), &eye));
+            let apart = first.iter().zip(second).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            assert!(apart > least, "{a} is like {b} to {eye:?}: {apart}");
+        }
+    }
+}
+
 #[test]
 fn bearing_angles_are_grey() {
     for (bearing_rad, grey) in [(0.0, 0), (PI / 2.0, 128), (PI, 255), (-0.1, 0), (4.0, 255)] {
@@ -130,43 +185,25 @@ fn bearing_angles_are_grey() {
 
 #[test]
 fn a_sheet_holds_every_panel_below_its_title() {
-    let panel = |width, height, grey| Picture::new(width, height, [grey; 3]);
-    let panels = [("a", panel(20, 10, 50)), ("long title", panel(5, 30, 51)), ("", panel(1, 1, 52))];
+    let panel = |title: &str, width, height, grey| (title.to_string(), Picture::new(width, height, [grey; 3]));
+    let panels = [panel("a", 200, 10, 50), panel("title", 5, 30, 51), panel("", 1, 1, 52)];
     let picture = sheet(&panels, 2);
-    // Cells of 80 + 8 by 12 + 30 + 8.
-    assert_eq!((picture.width(), picture.height()), (8 + 2 * 88, 8 + 2 * 50));
-    for (x, y, grey) in [(8, 20, 50), (27, 29, 50), (96, 20, 51), (100, 49, 51), (8, 70, 52)] {
+    // Cells of 200 + 12 by 18 + 30 + 12.
+    assert_eq!((picture.width(), picture.height()), (12 + 2 * 212, 12 + 2 * 60));
+    for (x, y, grey) in [(12, 30, 50), (211, 39, 50), (224, 30, 51), (228, 59, 51), (12, 90, 52)] {
         assert_eq!(picture.get(x, y), Some([grey; 3]), "{x}, {y}");
     }
-    for (x, y) in [(7, 20), (8, 19), (28, 29), (27, 30), (9, 70)] {
+    for (x, y) in [(11, 30), (212, 39), (12, 40), (13, 90)] {
         assert_eq!(picture.get(x, y), Some(WHITE), "{x}, {y}");
     }
-    let ink = |left: usize, right: usize| (left..right).any(|x| (8..16).any(|y| picture.get(x, y) == Some(BLACK)));
-    assert!(ink(8, 16) && !ink(16, 96) && ink(168, 176));
+    let written = |left, right| ink(&picture, left, 12, right, 30) > 3.0;
+    assert!(written(12, 22) && !written(24, 224) && written(224, 260));
+    // a title that is longer than its panel has room
+    let long = "a title that is longer than its panel";
+    let cell = sheet(&[panel(long, 5, 5, 50)], 1);
+    assert_eq!(cell.width(), 24 + text_width(13.0, long).ceil() as usize);
 
     assert_eq!(sheet(&panels, 0), sheet(&panels, 1));
     assert_eq!(sheet(&panels, 99), sheet(&panels, 3));
     assert_eq!(sheet(&[], 2).get(0, 0), Some(WHITE));
-}
-
-#[test]
-fn a_recorded_scan_makes_a_sheet() {
-    let Some(set) = recorded("tilting-sick-corridor") else { return };
-    let geometry = Geometry::read(set.join("geometry.toml")).unwrap();
-    let counts = GreyImage::read(set.join("scan000.range_mm.pgm")).unwrap();
-    let planes = GreyImage::read(set.join("scan000.planes.pgm")).unwrap();
-    let ranges = RangeImage::from_grey(&counts, &geometry).unwrap();
-    let (rows, columns) = (ranges.rows, ranges.columns);
-    let range = |x, y| ranges.range_m[y * columns + x];
-    let panels = [
-        ("Range, 0 to 8 m", Picture::from_fn(columns, rows, |x, y| range_colour(range(x, y), 0.0, 8.0))),
-        ("Planes", Picture::from_fn(columns, rows, |x, y| label_colour(planes.values[y * columns + x].into()))),
-        ("Labels 0 to 59", Picture::from_fn(columns, rows, |x, y| label_colour((x / 36 + y / 38 * 10) as u32))),
-        ("0 to pi", Picture::from_fn(columns, rows, |x, _| bearing_colour(x as f32 / 359.0 * PI))),
-    ];
-    let picture = sheet(&panels, 2);
-    assert_eq!((picture.width(), picture.height()), (8 + 2 * 368, 8 + 2 * 254));
-    let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    fs::write(directory.join("sheet.png"), picture.to_png()).unwrap();
-    assert_eq!(picture.get(8 + 180, 28 + 113), Some(range_colour(range(180, 113), 0.0, 8.0)));
 }

@@ -37,9 +37,13 @@ fn what_was_seen_live_is_replayed_and_heard() {
     let folder = folder("live");
     let faults = ["", " --faults loss=0.0005,flip=0.0005,insert=0.0001"];
     for faults in faults {
-        let live = succeeds(&folder, &format!("rig --traces row*4,column*4 --save c.txt --link live.bin{faults}"));
+        let live = succeeds(
+            &folder,
+            &format!("rig --traces row*4,column*4 --range-noise-m 0.01 --save c.txt --link live.bin{faults}"),
+        );
         assert!(told(&live).len() > 12, "{live}");
-        let replayed = succeeds(&folder, "replay c.txt --traces row*4,column*4 --link replayed.bin");
+        let replayed =
+            succeeds(&folder, "replay c.txt --traces row*4,column*4 --range-noise-m 0.01 --link replayed.bin");
         assert!(told(&replayed).starts_with(&told(&live)), "{live}\n{replayed}");
         let (live_segments, replayed_segments) =
             (segments(&folder.join("live.bin")), segments(&folder.join("replayed.bin")));
@@ -76,7 +80,7 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
     }
     fs::write(folder.join("raw.bin"), &raw).unwrap();
     fs::write(folder.join("geometry.toml"), scan.geometry.to_toml()).unwrap();
-    let replay = "replay raw.bin --geometry geometry.toml --range-bits 15 --traces row*4,column*4 --min-pixels 1";
+    let replay = "replay raw.bin --geometry geometry.toml --range-bits 15 --traces row*4,column*4 --range-noise-m 0.01 --min-pixels 1";
     let text = succeeds(&folder, &format!("{replay} --link raw.link"));
     assert!(text.contains("scan 1 over (asked): 60 rows"), "{text}");
     let mut found = segments(&folder.join("raw.link"));
@@ -93,6 +97,24 @@ fn raw_telegrams_and_their_image_give_the_same_segments() {
         assert_eq!((found.label, found.pixels, found.first_row), (expected.label, expected.pixels, expected.first_row));
         // Turn angles go by way of times: they are not the same to the last bit.
         assert!(found.centroid_m.iter().zip(expected.centroid_m).all(|(a, b)| (a - b).abs() < 1e-3));
+    }
+
+    // The files are those of `segment`, and the labels too.
+    let names = |folder: &Path| {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    for approach in ["--approach plane", "--traces row*4,column*4"] {
+        let options = format!("--geometry geometry.toml {approach} --range-noise-m 0.001 --min-pixels 5 --out");
+        let text = succeeds(&folder, &format!("replay raw.bin --range-bits 15 {options} replayed"));
+        assert!(text.ends_with("look at replayed/scan-1/overview.png\n"), "{text}");
+        fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
+        succeeds(&folder, &format!("segment scan.pgm {options} segmented"));
+        let [replayed, segmented] = ["replayed/scan-1", "segmented"].map(|name| folder.join(name));
+        assert_eq!(names(&replayed), names(&segmented));
+        let [a, b] = [&replayed, &segmented].map(|out| fs::read(out.join("labels.png")).unwrap());
+        assert!(a == b, "{approach}");
     }
 
     // A damaged telegram costs its row, and the rows after it keep their turn angles.
@@ -114,6 +136,10 @@ fn reset_and_stuck_encoder() {
         "{text}"
     );
     assert!(text.contains("scan 5 over (turned): 200 rows"), "{text}");
+
+    // as many scans as it takes: the encoder would stick while the scanner sets up again
+    let text = succeeds(&folder, "rig --faults reset=3,stuck=6");
+    assert!(text.contains("trouble: scans have stopped") && text.contains(" while the tilt stood"), "{text}");
 }
 
 #[test]

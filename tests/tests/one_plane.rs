@@ -40,7 +40,7 @@ prop_compose! {
         downward: bool,
         distance in 0.0f64..1.0,
         tilt_deg in 0.0f64..70.0,
-        about_rad in 0.0f64..6.28,
+        about_rad in 0.0f64..std::f64::consts::TAU,
         noise_m in prop::sample::select(noises_m),
         seed in 0u64..1 << 40,
     ) -> Seen {

@@ -354,13 +354,13 @@ fn bearing_angles() {
         let before = 1 - usize::from(trace.rows);
         let mut counts = vec![0; columns];
         bearing_row(&Ranging::new(0.01), beams, trace, row(1), row(before), &mut counts).unwrap();
-        for column in 2..columns {
+        for (column, &count) in counts.iter().enumerate().skip(2) {
             let other = column - trace.columns as usize;
             let [[d, o], [d0, o0]] = [ray(1, column), ray(before, other)];
             let point = |o: Vector, row: usize, column: usize, d: Vector| plus(o, ranges_m[row][column].into(), d);
             let line = plus(point(o, 1, column, d), -1.0, point(o0, before, other, d0));
             let exact = (dot(d, line) / dot(line, line).sqrt()).acos();
-            let found = f64::from(counts[column]) * core::f64::consts::PI / 65535.0;
+            let found = f64::from(count) * core::f64::consts::PI / 65535.0;
             assert!((found - exact).abs().to_degrees() < 0.001 + 0.0014, "{trace:?} {column}: {found} {exact}");
         }
     }

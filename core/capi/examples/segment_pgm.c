@@ -140,7 +140,7 @@ int main(int argc, char **argv) {
     /* no segment has less than a pixel, so that there is room for all; little of this memory is ever touched */
     output.events = allocate(NULL, pixels * sizeof *output.events);
     output.event_capacity = pixels;
-    check(scanseg_segment_image(segmenter, ranges_m, height, width, turns_rad, work, SCANSEG_IMAGE_WORK(height, width),
+    check(scanseg_segment_image(segmenter, ranges_m, height, width, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(height, width),
                                 &output));
 
     /* the events are the segments; the labels become their places by size */

@@ -37,6 +37,10 @@
                                          + 4 * (size_t)((trace_rows) > 3 ? (trace_rows) : 3)) \
      + 136 * (size_t)(traces))
 
+/** The same for `SCANSEG_FREE`: `SCANSEG_STATE_SIZE` and the directions of the rows that are kept. Full turns take
+ *  `2 * columns` more. */
+#define SCANSEG_STATE_SIZE_FREE(columns) (SCANSEG_STATE_SIZE(columns) + (size_t)36 * (columns))
+
 /** Events that one row or the end of a scan can bring at most, for images of so many columns. */
 #define SCANSEG_MAX_EVENTS(columns) (2 * (size_t)(columns) + 4)
 
@@ -89,6 +93,12 @@
 #define SCANSEG_PINHOLE 4
 
 /**
+ * `beams`: any; each row brings the directions of its beams, see `scanseg_row_beams`. Takes some
+ * two times as long as the other kinds.
+ */
+#define SCANSEG_FREE 5
+
+/**
  * `closing`: a pixel and its four neighbours, as in the paper.
  */
 #define SCANSEG_PLUS 0
@@ -104,6 +114,18 @@
 #define SCANSEG_MAX_TRACES 8
 
 /**
+ * `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
+ */
+#define SCANSEG_JOIN 1
+
+/**
+ * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
+ * with another one that turns out to be a part of the same surface; then it is given again when
+ * that is complete, and the later one counts.
+ */
+#define SCANSEG_SEGMENT 2
+
+/**
  * A pixel: nothing was measured.
  */
 #define SCANSEG_NO_RETURN 0
@@ -117,18 +139,6 @@
  * A pixel: part of an area that got no label, because the table of live labels was full.
  */
 #define SCANSEG_UNLABELLED 4294967294
-
-/**
- * `kind` of an event: pixels labelled `label` in earlier rows belong to `into`, the smaller label.
- */
-#define SCANSEG_JOIN 1
-
-/**
- * `kind` of an event: the segment `label` is complete. With `SCANSEG_PLANE` it may still be joined
- * with another one that turns out to be a part of the same surface; then it is given again when
- * that is complete, and the later one counts.
- */
-#define SCANSEG_SEGMENT 2
 
 /**
  * Rows of labels that `scanseg_finish` gives out at most: `SCANSEG_EDGE` is so many rows late, the
@@ -160,7 +170,7 @@
  * Counts the incompatible changes of structs and functions. `scanseg_config_init` and
  * `scanseg_init` compare it with the library's.
  */
-#define SCANSEG_ABI_VERSION 2
+#define SCANSEG_ABI_VERSION 3
 
 /**
  * A segmenter, in memory of yours.
@@ -220,7 +230,7 @@ typedef struct scanseg_config {
      */
     uint32_t beams;
     /**
-     * Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round
+     * Spinning and free: 1 if the last column neighbours the first, else 0. Even columns must then go round
      * exactly once.
      */
     uint32_t wraps;
@@ -242,6 +252,20 @@ typedef struct scanseg_config {
      * Elements of `column_angles_rad`: `columns`, or 0 for even columns.
      */
     uint32_t column_angle_count;
+    /**
+     * Nodding, with `column_angles_rad`: how much more than its row each column is turned, radians,
+     * within +-pi / 2, as of the lasers of one firing that look beside it. NULL: not at all.
+     */
+    const float *column_turns_rad;
+    /**
+     * Elements of `column_turns_rad`: `columns`, or 0.
+     */
+    uint32_t column_turn_count;
+    /**
+     * Plane: 1 if a scan is a full turn, whose last row neighbours its first one, as the firings of a
+     * spinning lidar; else 0 (default).
+     */
+    uint32_t full_turns;
     /**
      * Pinhole: focal length along a row, pixels; not 0.
      */
@@ -477,6 +501,54 @@ typedef struct scanseg_output {
 } scanseg_output;
 
 /**
+ * Where the beams of one row point, beside what the configuration says of all rows.
+ * `scanseg_row_beams_init` sets it to a row of this turn and nothing else. What is not used costs
+ * nothing; what is used costs a sine and a cosine per pixel at most.
+ */
+typedef struct scanseg_row_beams {
+    /**
+     * `sizeof(scanseg_row_beams)`.
+     */
+    uint32_t struct_size;
+    /**
+     * The row's turn (nodding) or elevation (spinning), radians, within +-6300.
+     */
+    float turn_rad;
+    /**
+     * Nodding and spinning: added to the angles of all columns, radians, within +-2 pi. A laser that
+     * looks beside the others.
+     */
+    float offset_rad;
+    /**
+     * Nodding: distance of the scanner's origin from the axis about which it turns, along the beam
+     * at angle 0, metres, within +-10.
+     */
+    float lever_arm_m;
+    /**
+     * Nodding: column c is turned by `c * column_turn_rad + (c % sets) * set_turn_rad` more than the
+     * row, as the turn goes on while the row is measured; over a row within +-pi / 2.
+     */
+    float column_turn_rad;
+    /**
+     * Nodding: sets of columns that lie between one another and are measured set after set, 1 to
+     * 255.
+     */
+    uint32_t sets;
+    /**
+     * Nodding: from a set to the next, radians; over all sets within +-pi / 2.
+     */
+    float set_turn_rad;
+    /**
+     * `SCANSEG_FREE`: the directions of the beams, unit vectors, x, y and z of each column; else NULL.
+     */
+    const float *directions;
+    /**
+     * Elements of `directions`: three times the columns, or 0.
+     */
+    size_t direction_count;
+} scanseg_row_beams;
+
+/**
  * The plane of a segment: the points p with normal . p + distance = 0; x forward, y left, z up.
  */
 typedef struct scanseg_plane {
@@ -574,7 +646,7 @@ typedef struct scanseg_plane {
 #define SCANSEG_ERROR_SCAN_OVER -9
 
 /**
- * The row does not have one range per column. The row was not taken.
+ * The row does not have one range per column, or not one direction. The row was not taken.
  */
 #define SCANSEG_ERROR_ROW_LENGTH -10
 
@@ -597,6 +669,11 @@ typedef struct scanseg_plane {
  * The work memory is smaller than `SCANSEG_IMAGE_WORK` says. Nothing was done.
  */
 #define SCANSEG_ERROR_WORK_SIZE -14
+
+/**
+ * A number or a direction of `scanseg_row_beams` cannot be used. The row was not taken.
+ */
+#define SCANSEG_ERROR_ROW_BEAMS -15
 
 #ifdef __cplusplus
 extern "C" {
@@ -687,6 +764,26 @@ scanseg_status scanseg_push_row(struct scanseg_segmenter *segmenter,
                                 struct scanseg_output *output);
 
 /**
+ * Sets the beams of a row to those at this turn angle, and nothing else:
+ * `scanseg_row_beams_init(&beams, sizeof beams, turn_rad)`.
+ *
+ * @return `SCANSEG_OK`, or an error if the header is of another version than the library.
+ */
+scanseg_status scanseg_row_beams_init(struct scanseg_row_beams *beams, uint32_t struct_size, float turn_rad);
+
+/**
+ * The same as `scanseg_push_row`, for a row whose beams lie beside where its turn alone says.
+ *
+ * @param beams where they lie. It is not kept.
+ * @return as `scanseg_push_row`, and `SCANSEG_ERROR_ROW_BEAMS` for beams that cannot be used.
+ */
+scanseg_status scanseg_push_row_beams(struct scanseg_segmenter *segmenter,
+                                      const float *ranges_m,
+                                      size_t columns,
+                                      const struct scanseg_row_beams *beams,
+                                      struct scanseg_output *output);
+
+/**
  * Ends the scan: gives out the labels that were still waiting (`SCANSEG_EDGE`: up to
  * `SCANSEG_LATENCY_ROWS` rows) and completes all segments. Before the next scan the segmenter is
  * to be reset.
@@ -714,15 +811,17 @@ scanseg_status scanseg_reset(struct scanseg_segmenter *segmenter);
  * @param ranges_m `rows` times `columns` ranges, row after row; see `scanseg_push_row`.
  * @param rows rows of the image, up to 65535.
  * @param columns must be the columns of the segmenter.
- * @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera needs
- *        none, and may have NULL.
+ * @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera and free
+ *        beams need none, and may have NULL.
+ * @param directions with `SCANSEG_FREE` the directions of all pixels, x, y and z of each, row after
+ *        row: `3 * rows * columns` numbers; otherwise NULL.
  * @param work memory of yours that the call works in; what it holds before and afterwards does not
  *        matter.
  * @param work_capacity elements of `work`: at least `SCANSEG_IMAGE_WORK(rows, columns)`.
  * @param output is given the labels of the image and its segments. The callback, if there is one,
  *        is told each join and segment as they come, before the joins are applied.
  * @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED` (the output has the rows and
- *        segments so far), or an error. A turn angle that cannot be used is found when its row comes:
+ *        segments so far), or an error. A turn angle or a direction that cannot be used is found when its row comes:
  *        then the arrays hold nothing of use, and the scan is dropped.
  */
 scanseg_status scanseg_segment_image(struct scanseg_segmenter *segmenter,
@@ -730,6 +829,7 @@ scanseg_status scanseg_segment_image(struct scanseg_segmenter *segmenter,
                                      size_t rows,
                                      size_t columns,
                                      const float *turns_rad,
+                                     const float *directions,
                                      uint32_t *work,
                                      size_t work_capacity,
                                      struct scanseg_output *output);

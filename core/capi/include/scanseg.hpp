@@ -80,6 +80,15 @@ struct Config : scanseg_config {
     const char *bad_field() const noexcept { return scanseg_bad_field(this); }
 };
 
+/// Where the beams of a row point: at a turn, and what else there is to say.
+struct RowBeams : scanseg_row_beams {
+    explicit RowBeams(float turn_rad = 0) noexcept : scanseg_row_beams() {
+        scanseg_row_beams_init(this, sizeof(scanseg_row_beams), turn_rad);
+    }
+    /// Free beams: x, y and z of each column.
+    explicit RowBeams(Span<const float> of) noexcept : RowBeams() { directions = of.data(), direction_count = of.size(); }
+};
+
 /// The plane of a segment.
 inline Status fit_plane(const scanseg_event &segment, scanseg_plane &plane) noexcept {
     return scanseg_fit_plane(&segment, &plane);
@@ -103,6 +112,12 @@ public:
         return checked(scanseg_push_row(get(), ranges_m.data(), ranges_m.size(), turn_rad, &output_));
     }
 
+    /// The same for a row whose beams lie beside where its turn alone says; see scanseg_push_row_beams.
+    Status push_row(Span<const float> ranges_m, const RowBeams &beams) {
+        clear();
+        return checked(scanseg_push_row_beams(get(), ranges_m.data(), ranges_m.size(), &beams, &output_));
+    }
+
     /// Ends the scan; see scanseg_finish.
     Status finish() {
         clear();
@@ -116,11 +131,11 @@ public:
     }
 
     /// Segments a whole image, row after row, and applies all joins; see scanseg_segment_image. One turn for each row, or
-    /// none for a camera. Takes 12 bytes of memory a pixel, and keeps them for the next image. Runs twice where there are
+    /// none for a camera; with free beams three numbers of direction for each pixel. Takes 12 bytes of memory a pixel, and keeps them for the next image. Runs twice where there are
     /// more segments than there was room for.
-    Status segment_image(Span<const float> ranges_m, Span<const float> turns_rad = {}) {
+    Status segment_image(Span<const float> ranges_m, Span<const float> turns_rad = {}, Span<const float> directions = {}) {
         clear();
-        return checked(image(ranges_m, turns_rad));
+        return checked(image(ranges_m, turns_rad, directions));
     }
 
     /// Labels that the last call has given out, rows() of them, row after row.
@@ -158,17 +173,18 @@ private:
         return status;
     }
 
-    scanseg_status image(Span<const float> ranges_m, Span<const float> turns_rad) noexcept {
+    scanseg_status image(Span<const float> ranges_m, Span<const float> turns_rad, Span<const float> directions) noexcept {
         if (memory_ == nullptr) return SCANSEG_ERROR_NULL;
         const std::size_t rows = ranges_m.size() / columns_;
         if (ranges_m.size() != rows * columns_) return SCANSEG_ERROR_ROW_LENGTH;
         if (!turns_rad.empty() && turns_rad.size() != rows) return SCANSEG_ERROR_TURN_ANGLE;
+        if (!directions.empty() && directions.size() != 3 * ranges_m.size()) return SCANSEG_ERROR_ROW_BEAMS;
         if (!room(labels_, output_.label_capacity, rows * columns_)) return SCANSEG_ERROR_NULL;
         if (!room(work_, work_size_, SCANSEG_IMAGE_WORK(rows, columns_))) return SCANSEG_ERROR_NULL;
         output_.labels = labels_.get();
         for (;;) {
             const scanseg_status status = scanseg_segment_image(get(), ranges_m.data(), rows, columns_, turns_rad.data(),
-                                                                work_.get(), work_size_, &output_);
+                                                                directions.data(), work_.get(), work_size_, &output_);
             if (status != SCANSEG_EVENTS_FULL) return status;
             if (!room(events_, output_.event_capacity, output_.event_count + output_.events_lost)) return status;
             output_.events = events_.get();

@@ -9,8 +9,8 @@ use scanseg_core::{
 
 use crate::check::{SCANSEG_ABI_VERSION, check_pointer, check_struct};
 use crate::config::{
-    Config, SCANSEG_EDGE, SCANSEG_MAX_TRACES, SCANSEG_NODDING_Y, SCANSEG_NODDING_Z, SCANSEG_PINHOLE, SCANSEG_PLANE,
-    SCANSEG_PLUS, SCANSEG_REGION, SCANSEG_SPINNING, SCANSEG_SQUARE,
+    Config, SCANSEG_EDGE, SCANSEG_FREE, SCANSEG_MAX_TRACES, SCANSEG_NODDING_Y, SCANSEG_NODDING_Z, SCANSEG_PINHOLE,
+    SCANSEG_PLANE, SCANSEG_PLUS, SCANSEG_REGION, SCANSEG_SPINNING, SCANSEG_SQUARE,
 };
 use crate::status::{SCANSEG_ERROR_ABI_VERSION, SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_CONFIG, Status};
 
@@ -36,6 +36,7 @@ fn refuse<T>(field: &'static CStr) -> Result<T, Refused> {
 pub(crate) struct Checked<'a> {
     pub config: Config,
     pub angles_rad: &'a [f32],
+    pub turns_rad: &'a [f32],
     pub traces: [scanseg::Trace; SCANSEG_MAX_TRACES],
 }
 
@@ -60,28 +61,25 @@ impl<'a> Checked<'a> {
         if config.trace_count == 0 || config.trace_count as usize > SCANSEG_MAX_TRACES {
             return refuse(c"trace_count");
         }
-        let angles_rad = if config.column_angles_rad.is_null() {
-            if config.column_angle_count > 0 {
-                return refuse(c"column_angles_rad");
-            }
-            &[]
-        } else {
-            check_pointer(config.column_angles_rad).map_err(|_| SCANSEG_ERROR_ALIGNMENT)?;
-            if config.column_angle_count != config.columns {
-                return refuse(c"column_angle_count");
-            }
-            // SAFETY: aligned, not NULL, and the caller promises that there are as many.
-            unsafe { core::slice::from_raw_parts(config.column_angles_rad, config.columns as usize) }
-        };
+        let names = [c"column_angles_rad", c"column_angle_count"];
+        // SAFETY: the caller's promise.
+        let angles_rad = unsafe { list(config.column_angles_rad, config.column_angle_count, config.columns, names)? };
+        let names = [c"column_turns_rad", c"column_turn_count"];
+        // SAFETY: as above.
+        let turns_rad = unsafe { list(config.column_turns_rad, config.column_turn_count, config.columns, names)? };
+        if angles_rad.is_empty() && !turns_rad.is_empty() {
+            return refuse(c"column_angles_rad");
+        }
         let traces = config.traces.map(|trace| scanseg::Trace { rows: trace.rows, columns: trace.columns });
-        let checked = Checked { config, angles_rad, traces };
+        let checked = Checked { config, angles_rad, turns_rad, traces };
         checked.check()?;
         Ok(checked)
     }
 
-    /// Whether there is a list of column angles that is used.
-    pub fn listed(&self) -> bool {
-        !self.angles_rad.is_empty() && self.config.beams != SCANSEG_PINHOLE
+    /// Lists of column angles that are used: of the angles, and of the turns.
+    pub fn lists(&self) -> usize {
+        let used = ![SCANSEG_PINHOLE, SCANSEG_FREE].contains(&self.config.beams);
+        [self.angles_rad, self.turns_rad].iter().filter(|list| used && !list.is_empty()).count()
     }
 
     pub fn used_traces(&self) -> &[scanseg::Trace] {
@@ -109,7 +107,9 @@ impl<'a> Checked<'a> {
             .with_ranging(ranging)
             .with_line_angle_rad(c.line_angle_rad)
             .with_plane_distance_m(c.plane_distance_m);
-        [PlaneConfig::new(ranging).into(), edge.into(), region.into()]
+        let plane = PlaneConfig::new(ranging);
+        let plane = if c.full_turns == 1 { plane.with_full_turns() } else { plane };
+        [plane.into(), edge.into(), region.into()]
     }
 
     /// The configuration of the approach that was chosen, with traces anywhere.
@@ -125,20 +125,22 @@ impl<'a> Checked<'a> {
     /// What the memory of any approach has room for.
     pub fn sizes(&self) -> Sizes {
         let columns = self.config.columns as usize;
-        let [plane, edge, region] = self.configs(self.used_traces()).map(|config| config.sizes(columns));
+        let beams = self.beams(&[], &[]);
+        let [plane, edge, region] = self.configs(self.used_traces()).map(|config| config.sizes_for(&beams, columns));
         plane.max(edge).max(region)
     }
 
-    /// The beams, with a list of column angles anywhere.
-    pub fn beams<'b>(&self, angles_rad: &'b [f32]) -> Beams<'b> {
+    /// The beams, with lists of column angles and of turns anywhere.
+    pub fn beams<'b>(&self, angles_rad: &'b [f32], turns_rad: &'b [f32]) -> Beams<'b> {
         let c = &self.config;
-        let columns = if self.listed() {
-            Columns::Listed(angles_rad)
-        } else {
-            Columns::Even { start_rad: c.column_start_rad, step_rad: c.column_step_rad }
+        let columns = match self.lists() {
+            0 => Columns::Even { start_rad: c.column_start_rad, step_rad: c.column_step_rad },
+            1 => Columns::Listed(angles_rad),
+            _ => Columns::Beside { angles_rad, turns_rad },
         };
         match c.beams {
             SCANSEG_PINHOLE => Beams::Pinhole { fx_px: c.fx_px, fy_px: c.fy_px, cx_px: c.cx_px, cy_px: c.cy_px },
+            SCANSEG_FREE => Beams::Free { wraps: c.wraps == 1 },
             SCANSEG_SPINNING => Beams::Spinning { columns, wraps: c.wraps == 1 },
             SCANSEG_NODDING_Z => Beams::Nodding { columns, axis: TurnAxis::Z },
             _ => Beams::Nodding { columns, axis: TurnAxis::Y },
@@ -149,8 +151,9 @@ impl<'a> Checked<'a> {
         let c = &self.config;
         for (field, value, first, last) in [
             (c"approach", c.approach, SCANSEG_PLANE, SCANSEG_REGION),
-            (c"beams", c.beams, SCANSEG_NODDING_Y, SCANSEG_PINHOLE),
+            (c"beams", c.beams, SCANSEG_NODDING_Y, SCANSEG_FREE),
             (c"wraps", c.wraps, 0, 1),
+            (c"full_turns", c.full_turns, 0, 1),
             (c"closing", c.closing, SCANSEG_PLUS, SCANSEG_SQUARE),
         ] {
             if !(first..=last).contains(&value) {
@@ -160,7 +163,9 @@ impl<'a> Checked<'a> {
         // the settings of all approaches, whichever is chosen
         for config in self.configs(self.used_traces()) {
             let no_memory = Memory { numbers: &mut [], halves: &mut [], words: &mut [], areas: &mut [] };
-            match AnySegmenter::new(config, self.beams(self.angles_rad), c.columns as usize, no_memory).err() {
+            match AnySegmenter::new(config, self.beams(self.angles_rad, self.turns_rad), c.columns as usize, no_memory)
+                .err()
+            {
                 // all that was wrong with it: the rest is good
                 Some(ConfigError::Memory { .. }) | None => {}
                 Some(ConfigError::Value { field, .. } | ConfigError::Count { field, .. }) => {
@@ -171,6 +176,27 @@ impl<'a> Checked<'a> {
         }
         Ok(())
     }
+}
+
+/// A list of the caller, one number per column, or none.
+///
+/// # Safety
+/// `numbers` is NULL, or points to as many numbers as `count`, for `'a`.
+unsafe fn list<'a>(
+    numbers: *const f32,
+    count: u32,
+    columns: u32,
+    [name, name_of_count]: [&'static CStr; 2],
+) -> Result<&'a [f32], Refused> {
+    if numbers.is_null() {
+        return if count > 0 { refuse(name) } else { Ok(&[]) };
+    }
+    check_pointer(numbers).map_err(|_| SCANSEG_ERROR_ALIGNMENT)?;
+    if count != columns {
+        return refuse(name_of_count);
+    }
+    // SAFETY: aligned, not NULL, and the caller promises that there are as many.
+    Ok(unsafe { core::slice::from_raw_parts(numbers, columns as usize) })
 }
 
 /// Our name of a field that the core refuses.
@@ -196,6 +222,7 @@ fn field_of(name: &str) -> &'static CStr {
         "step_rad" => c"column_step_rad",
         "wraps: step_rad" => c"wraps",
         "columns" => c"column_angles_rad",
+        "turns_rad" => c"column_turns_rad",
         "fx_px" => c"fx_px",
         "fy_px" => c"fy_px",
         "cx_px" => c"cx_px",

@@ -24,6 +24,10 @@ pub const SCANSEG_SPINNING: u32 = 3;
 /// row v. Ranges are along the beam, not depths.
 pub const SCANSEG_PINHOLE: u32 = 4;
 
+/// `beams`: any; each row brings the directions of its beams, see `scanseg_row_beams`. Takes some
+/// two times as long as the other kinds.
+pub const SCANSEG_FREE: u32 = 5;
+
 /// `closing`: a pixel and its four neighbours, as in the paper.
 pub const SCANSEG_PLUS: u32 = 0;
 /// `closing`: 3 x 3 pixels.
@@ -63,7 +67,7 @@ pub struct Config {
     /// `SCANSEG_NODDING_Y`, `SCANSEG_NODDING_Z`, `SCANSEG_SPINNING` or `SCANSEG_PINHOLE`. No
     /// default.
     pub beams: u32,
-    /// Spinning: 1 if the last column neighbours the first, else 0. Even columns must then go round
+    /// Spinning and free: 1 if the last column neighbours the first, else 0. Even columns must then go round
     /// exactly once.
     pub wraps: u32,
     /// Nodding and spinning, even columns: angle of column 0, radians, within +-2 pi. Nodding:
@@ -76,6 +80,14 @@ pub struct Config {
     pub column_angles_rad: *const f32,
     /// Elements of `column_angles_rad`: `columns`, or 0 for even columns.
     pub column_angle_count: u32,
+    /// Nodding, with `column_angles_rad`: how much more than its row each column is turned, radians,
+    /// within +-pi / 2, as of the lasers of one firing that look beside it. NULL: not at all.
+    pub column_turns_rad: *const f32,
+    /// Elements of `column_turns_rad`: `columns`, or 0.
+    pub column_turn_count: u32,
+    /// Plane: 1 if a scan is a full turn, whose last row neighbours its first one, as the firings of a
+    /// spinning lidar; else 0 (default).
+    pub full_turns: u32,
     /// Pinhole: focal length along a row, pixels; not 0.
     pub fx_px: f32,
     /// Pinhole: focal length along a column, pixels; not 0.
@@ -155,6 +167,9 @@ impl Config {
             column_step_rad: 0.0,
             column_angles_rad: core::ptr::null(),
             column_angle_count: 0,
+            column_turns_rad: core::ptr::null(),
+            column_turn_count: 0,
+            full_turns: 0,
             fx_px: 0.0,
             fy_px: 0.0,
             cx_px: 0.0,

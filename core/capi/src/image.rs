@@ -1,6 +1,6 @@
 //! A whole image in one call: which label goes on as which, and where the segment of a label is.
 
-use crate::output::Event;
+use crate::event::Event;
 
 /// Elements of the work memory for each label.
 pub(crate) const WORK_PER_LABEL: usize = 2;

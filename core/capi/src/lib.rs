@@ -1,8 +1,8 @@
 //! scanseg for C and C++: the functions of `include/scanseg.h`, which is made from this crate.
 //!
 //! Segmenters live in the caller's memory ([`State`]), results go to the caller's arrays
-//! ([`Output`]), and every call answers with a [`Status`]. The one crate of the project with
-//! `unsafe`, and with nothing else: the work is done by `scanseg-core`.
+//! ([`Output`]), and every call answers with a [`Status`]. It checks and passes on; the work is done by
+//! `scanseg-core`, which has no `unsafe`.
 //!
 //! # Safety of all functions
 //! Every pointer may be NULL or not aligned: that is answered with a status. Otherwise it points to
@@ -21,16 +21,20 @@ compile_error!("without the feature `std` panics must abort: build with the prof
 mod check;
 mod checked;
 mod config;
+mod event;
 mod image;
 mod output;
 #[cfg(all(not(feature = "std"), not(test)))]
 mod panic;
+mod row;
 mod state;
 mod status;
 
 pub use check::SCANSEG_ABI_VERSION;
 pub use config::*;
+pub use event::*;
 pub use output::*;
+pub use row::RowBeams;
 pub use state::*;
 pub use status::*;
 
@@ -185,6 +189,39 @@ pub unsafe extern "C" fn scanseg_push_row(
     turn_rad: f32,
     output: *mut Output,
 ) -> Status {
+    // SAFETY: the caller's promise, at the head of the crate.
+    unsafe { scanseg_push_row_beams(segmenter, ranges_m, columns, &RowBeams::at(turn_rad), output) }
+}
+
+/// Sets the beams of a row to those at this turn angle, and nothing else:
+/// `scanseg_row_beams_init(&beams, sizeof beams, turn_rad)`.
+///
+/// @return `SCANSEG_OK`, or an error if the header is of another version than the library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn scanseg_row_beams_init(beams: *mut RowBeams, struct_size: u32, turn_rad: f32) -> Status {
+    if let Err(error) = check_pointer(beams) {
+        return error;
+    }
+    if struct_size as usize != size_of::<RowBeams>() {
+        return SCANSEG_ERROR_STRUCT_SIZE;
+    }
+    // SAFETY: not NULL, aligned, of this size.
+    unsafe { beams.write(RowBeams::at(turn_rad)) };
+    SCANSEG_OK
+}
+
+/// The same as `scanseg_push_row`, for a row whose beams lie beside where its turn alone says.
+///
+/// @param beams where they lie. It is not kept.
+/// @return as `scanseg_push_row`, and `SCANSEG_ERROR_ROW_BEAMS` for beams that cannot be used.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn scanseg_push_row_beams(
+    segmenter: *mut State,
+    ranges_m: *const f32,
+    columns: usize,
+    beams: *const RowBeams,
+    output: *mut Output,
+) -> Status {
     let push = || {
         // SAFETY: the caller's promise, at the head of the crate.
         let mut handle = unsafe { Handle::new(segmenter)? };
@@ -194,9 +231,11 @@ pub unsafe extern "C" fn scanseg_push_row(
             return Err(SCANSEG_ERROR_ROW_LENGTH);
         }
         // SAFETY: not NULL, aligned, and the caller's promise.
-        let (ranges_m, mut collector) =
-            unsafe { (core::slice::from_raw_parts(ranges_m, columns), Collector::new(output, 1, columns, None)?) };
-        let stopped = handle.push_row(ranges_m, turn_rad, &mut collector)?;
+        let (ranges_m, beams, mut collector) = unsafe {
+            let beams = RowBeams::read(beams)?;
+            (core::slice::from_raw_parts(ranges_m, columns), beams, Collector::new(output, 1, columns, None)?)
+        };
+        let stopped = handle.push_row(ranges_m, beams, &mut collector)?;
         let done = collector.done(0);
         Ok(if stopped { SCANSEG_STOPPED } else { done })
     };
@@ -244,15 +283,17 @@ pub unsafe extern "C" fn scanseg_reset(segmenter: *mut State) -> Status {
 /// @param ranges_m `rows` times `columns` ranges, row after row; see `scanseg_push_row`.
 /// @param rows rows of the image, up to 65535.
 /// @param columns must be the columns of the segmenter.
-/// @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera needs
-///        none, and may have NULL.
+/// @param turns_rad the turn (nodding) or elevation (spinning) of each row, radians; a camera and free
+///        beams need none, and may have NULL.
+/// @param directions with `SCANSEG_FREE` the directions of all pixels, x, y and z of each, row after
+///        row: `3 * rows * columns` numbers; otherwise NULL.
 /// @param work memory of yours that the call works in; what it holds before and afterwards does not
 ///        matter.
 /// @param work_capacity elements of `work`: at least `SCANSEG_IMAGE_WORK(rows, columns)`.
 /// @param output is given the labels of the image and its segments. The callback, if there is one,
 ///        is told each join and segment as they come, before the joins are applied.
 /// @return `SCANSEG_OK`, `SCANSEG_EVENTS_FULL`, `SCANSEG_STOPPED` (the output has the rows and
-///        segments so far), or an error. A turn angle that cannot be used is found when its row comes:
+///        segments so far), or an error. A turn angle or a direction that cannot be used is found when its row comes:
 ///        then the arrays hold nothing of use, and the scan is dropped.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)] // arrays of C come with their lengths
@@ -262,6 +303,7 @@ pub unsafe extern "C" fn scanseg_segment_image(
     rows: usize,
     columns: usize,
     turns_rad: *const f32,
+    directions: *const f32,
     work: *mut u32,
     work_capacity: usize,
     output: *mut Output,
@@ -270,8 +312,11 @@ pub unsafe extern "C" fn scanseg_segment_image(
         // SAFETY: the caller's promise, at the head of the crate.
         let mut handle = unsafe { Handle::new(segmenter)? };
         check_pointer(ranges_m)?;
-        if !(turns_rad.is_null() && handle.camera()) {
+        if !(turns_rad.is_null() && (handle.camera() || handle.free())) {
             check_pointer(turns_rad)?;
+        }
+        if handle.free() {
+            check_pointer(directions)?;
         }
         check_pointer(work)?;
         if columns != handle.columns {
@@ -293,11 +338,14 @@ pub unsafe extern "C" fn scanseg_segment_image(
         handle.reset();
         for row in 0..rows {
             // SAFETY: not NULL, aligned, and the caller's promise.
-            let (row_m, turn_rad) = unsafe {
-                let turn_rad = if turns_rad.is_null() { 0.0 } else { turns_rad.add(row).read() };
-                (core::slice::from_raw_parts(ranges_m.add(row * columns), columns), turn_rad)
+            let (row_m, beams) = unsafe {
+                let mut beams = RowBeams::at(if turns_rad.is_null() { 0.0 } else { turns_rad.add(row).read() });
+                if handle.free() {
+                    (beams.directions, beams.direction_count) = (directions.add(3 * row * columns), 3 * columns);
+                }
+                (core::slice::from_raw_parts(ranges_m.add(row * columns), columns), RowBeams::read(&beams)?)
             };
-            match handle.push_row(row_m, turn_rad, &mut collector) {
+            match handle.push_row(row_m, beams, &mut collector) {
                 Ok(false) => {}
                 Ok(true) => {
                     collector.done(0);
@@ -329,7 +377,7 @@ pub unsafe extern "C" fn scanseg_fit_plane(segment: *const Event, plane: *mut Pl
         return error;
     }
     // SAFETY: both not NULL and aligned; numbers may have any value.
-    match unsafe { output::fit_plane(&*segment) } {
+    match unsafe { event::fit_plane(&*segment) } {
         Ok(fit) => {
             // SAFETY: as above.
             unsafe { plane.write(fit) };

@@ -18,14 +18,14 @@
 //! The caller's part, which the header states: while the segmenter is in use the block is not
 //! written to.
 
-use scanseg_core::{AnySegmenter, Area, Finished, Memory, PushError, Segmenter, Sink, Sizes, Trace};
+use scanseg_core::{AnySegmenter, Area, Finished, Memory, PushError, RowBeams, Segmenter, Sink, Sizes, Trace};
 
 use crate::checked::Checked;
-use crate::config::SCANSEG_PINHOLE;
+use crate::config::{SCANSEG_FREE, SCANSEG_PINHOLE};
 use crate::status::{
     SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_BUSY, SCANSEG_ERROR_CONFIG, SCANSEG_ERROR_MEMORY_SIZE,
-    SCANSEG_ERROR_NO_SEGMENTER, SCANSEG_ERROR_NULL, SCANSEG_ERROR_ROW_LENGTH, SCANSEG_ERROR_SCAN_OVER,
-    SCANSEG_ERROR_TOO_MANY_ROWS, SCANSEG_ERROR_TURN_ANGLE, Status,
+    SCANSEG_ERROR_NO_SEGMENTER, SCANSEG_ERROR_NULL, SCANSEG_ERROR_ROW_BEAMS, SCANSEG_ERROR_ROW_LENGTH,
+    SCANSEG_ERROR_SCAN_OVER, SCANSEG_ERROR_TOO_MANY_ROWS, SCANSEG_ERROR_TURN_ANGLE, Status,
 };
 
 /// Alignment of the memory of a segmenter, bytes.
@@ -42,6 +42,8 @@ pub struct State {
     phase: Phase,
     /// Whether rows have no angle.
     camera: bool,
+    /// Whether rows bring their directions.
+    free: bool,
     /// Its references are those that the module describes.
     segmenter: AnySegmenter<'static>,
 }
@@ -80,7 +82,7 @@ impl Layout {
         if checked.config.max_labels > 0 {
             sizes.areas = sizes.areas.min(checked.config.max_labels as usize);
         }
-        let angles = if checked.listed() { columns } else { 0 };
+        let angles = checked.lists() * columns;
         let bytes = size_of::<State>() + sizes.bytes() + size_of::<f32>() * angles + size_of_val(checked.used_traces());
         Layout { sizes, angles, traces: checked.used_traces().len(), bytes }
     }
@@ -139,14 +141,17 @@ pub(crate) unsafe fn make(memory: *mut u8, size: usize, checked: &Checked) -> Re
         (Memory { numbers, halves, words, areas }, angles, traces)
     };
     // of the same lengths, where there are any
-    angles.iter_mut().zip(checked.angles_rad).for_each(|(to, &angle_rad)| *to = angle_rad);
+    let listed = checked.angles_rad.iter().chain(checked.turns_rad);
+    angles.iter_mut().zip(listed).for_each(|(to, &angle_rad)| *to = angle_rad);
     traces.iter_mut().zip(checked.used_traces()).for_each(|(to, &trace)| *to = trace);
     let columns = checked.config.columns as usize;
-    let segmenter = AnySegmenter::new(checked.any_config(traces), checked.beams(angles), columns, memory);
+    let (angles, turns) = angles.split_at_checked(columns).unwrap_or((angles, &[]));
+    let segmenter = AnySegmenter::new(checked.any_config(traces), checked.beams(angles, turns), columns, memory);
     // cannot fail: everything was checked before
     let segmenter = segmenter.map_err(|_| SCANSEG_ERROR_CONFIG)?;
-    let camera = checked.config.beams == SCANSEG_PINHOLE;
-    let made = State { number: NUMBER, address: state.addr(), columns, phase: Phase::Scanning, camera, segmenter };
+    let [camera, free] = [SCANSEG_PINHOLE, SCANSEG_FREE].map(|kind| checked.config.beams == kind);
+    let (address, phase) = (state.addr(), Phase::Scanning);
+    let made = State { number: NUMBER, address, columns, phase, camera, free, segmenter };
     // SAFETY: the block is aligned and large enough, and no part reaches in here.
     unsafe { state.write(made) };
     Ok(state)
@@ -208,6 +213,12 @@ impl Handle {
         unsafe { (*self.state).camera }
     }
 
+    /// Whether rows bring their directions.
+    pub fn free(&self) -> bool {
+        // SAFETY: `new` has found a segmenter there.
+        unsafe { (*self.state).free }
+    }
+
     /// Rows of labels that `finish` may give out.
     pub fn latency_rows(&self) -> usize {
         // SAFETY: `new` has found a segmenter there that is not in use.
@@ -215,15 +226,16 @@ impl Handle {
     }
 
     /// Takes a row. Whether the sink broke off.
-    pub fn push_row(&mut self, ranges_m: &[f32], turn_rad: f32, sink: &mut impl Sink) -> Result<bool, Status> {
+    pub fn push_row(&mut self, ranges_m: &[f32], beams: RowBeams, sink: &mut impl Sink) -> Result<bool, Status> {
         let pushed = self.with(Phase::Scanning, |segmenter| {
-            let pushed = segmenter.push_row(ranges_m, turn_rad, sink);
+            let pushed = segmenter.push_row(ranges_m, beams, sink);
             (pushed, pushed == Ok(scanseg_core::Status::Stopped))
         });
         match pushed {
             Ok(status) => Ok(status == scanseg_core::Status::Stopped),
             Err(PushError::RowLength { .. }) => Err(SCANSEG_ERROR_ROW_LENGTH),
             Err(PushError::TurnAngle { .. }) => Err(SCANSEG_ERROR_TURN_ANGLE),
+            Err(PushError::RowBeams { .. } | PushError::Direction { .. }) => Err(SCANSEG_ERROR_ROW_BEAMS),
             Err(_) => Err(SCANSEG_ERROR_TOO_MANY_ROWS),
         }
     }

@@ -35,7 +35,7 @@ pub const SCANSEG_ERROR_NO_SEGMENTER: Status = -7;
 pub const SCANSEG_ERROR_BUSY: Status = -8;
 /// The scan is over: finished, or stopped by the callback. Reset the segmenter for the next one.
 pub const SCANSEG_ERROR_SCAN_OVER: Status = -9;
-/// The row does not have one range per column. The row was not taken.
+/// The row does not have one range per column, or not one direction. The row was not taken.
 pub const SCANSEG_ERROR_ROW_LENGTH: Status = -10;
 /// The angle of the row is NaN, infinite or beyond 6300 rad. The row was not taken.
 pub const SCANSEG_ERROR_TURN_ANGLE: Status = -11;
@@ -45,6 +45,9 @@ pub const SCANSEG_ERROR_TOO_MANY_ROWS: Status = -12;
 pub const SCANSEG_ERROR_LABELS_SIZE: Status = -13;
 /// The work memory is smaller than `SCANSEG_IMAGE_WORK` says. Nothing was done.
 pub const SCANSEG_ERROR_WORK_SIZE: Status = -14;
+
+/// A number or a direction of `scanseg_row_beams` cannot be used. The row was not taken.
+pub const SCANSEG_ERROR_ROW_BEAMS: Status = -15;
 
 pub(crate) fn message(status: Status) -> &'static CStr {
     match status {
@@ -66,6 +69,7 @@ pub(crate) fn message(status: Status) -> &'static CStr {
         SCANSEG_ERROR_TOO_MANY_ROWS => c"too many rows in one scan",
         SCANSEG_ERROR_LABELS_SIZE => c"the array of labels is too small",
         SCANSEG_ERROR_WORK_SIZE => c"the work memory is too small",
+        SCANSEG_ERROR_ROW_BEAMS => c"the beams of the row cannot be used",
         _ => c"unknown status",
     }
 }

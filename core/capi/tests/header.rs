@@ -9,7 +9,7 @@ use std::path::Path;
 fn the_header_is_that_of_the_crate() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut builder = cbindgen::Builder::new().with_config(cbindgen::Config::from_root_or_default(root));
-    for file in ["status", "config", "output", "state", "lib", "check"] {
+    for file in ["status", "config", "event", "output", "state", "lib", "check"] {
         builder = builder.with_src(root.join(format!("src/{file}.rs")));
     }
     let mut made = Vec::new();

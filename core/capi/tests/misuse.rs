@@ -157,7 +157,7 @@ fn bad_fields_are_named() {
     assert_eq!(with(|c| c.columns = u32::MAX), "columns");
     assert_eq!(with(|c| c.approach = 3), "approach");
     assert_eq!(with(|c| c.beams = 0), "beams");
-    assert_eq!(with(|c| c.beams = 5), "beams");
+    assert_eq!(with(|c| c.beams = 6), "beams");
     assert_eq!(with(|c| c.wraps = 2), "wraps");
     assert_eq!(with(|c| c.closing = 2), "closing");
     assert_eq!(with(|c| c.trace_count = 0), "trace_count");
@@ -363,7 +363,9 @@ fn images_that_cannot_be_taken_are_refused() {
                 out.labels = null_mut();
             }
             // SAFETY: arrays that are too small are refused before they are used.
-            unsafe { scanseg_segment_image(segmenter, ranges_m, rows, columns, turns_rad, work, size, &mut out) }
+            unsafe {
+                scanseg_segment_image(segmenter, ranges_m, rows, columns, turns_rad, null(), work, size, &mut out)
+            }
         };
         let (r, t, w, size) = (ranges_m.as_ptr(), turns_rad.as_mut_ptr(), work.as_mut_ptr(), work.len());
         for (expected, status) in [
@@ -413,7 +415,7 @@ fn an_image_may_be_stopped() {
     let (r, t) = (ranges_m.as_ptr(), turns_rad.as_ptr());
     // SAFETY: the segmenter of the session, and arrays of these sizes.
     let status = unsafe {
-        scanseg_segment_image(session.segmenter, r, ROWS, COLUMNS, t, work.as_mut_ptr(), work.len(), &mut out)
+        scanseg_segment_image(session.segmenter, r, ROWS, COLUMNS, t, null(), work.as_mut_ptr(), work.len(), &mut out)
     };
     assert_eq!((status, seen.statuses.len()), (SCANSEG_STOPPED, 3));
     assert!(seen.statuses.iter().all(|&s| s == SCANSEG_ERROR_BUSY));
@@ -428,8 +430,50 @@ fn every_status_has_its_words() {
         // SAFETY: a constant of the library.
         unsafe { CStr::from_ptr(scanseg_strerror(status)) }.to_str().unwrap()
     };
-    let known: std::collections::HashSet<_> = (SCANSEG_ERROR_WORK_SIZE..=SCANSEG_NO_PLANE).map(words).collect();
-    assert_eq!(known.len(), 18);
+    let known: std::collections::HashSet<_> = (SCANSEG_ERROR_ROW_BEAMS..=SCANSEG_NO_PLANE).map(words).collect();
+    assert_eq!(known.len(), 19);
     assert!(!known.contains("unknown status"));
-    assert_eq!([words(4), words(-15), words(i32::MIN)], ["unknown status"; 3]);
+    assert_eq!([words(4), words(-16), words(i32::MIN)], ["unknown status"; 3]);
+}
+
+/// Beams of a row that cannot be used are refused, and the row is not taken.
+#[test]
+fn beams_of_a_row() {
+    let ranges_m = [2.0; COLUMNS];
+    let mut beams = std::mem::MaybeUninit::<RowBeams>::uninit();
+    let size = size_of::<RowBeams>() as u32;
+    // SAFETY: room for one; initialised if that is said.
+    let good = unsafe {
+        assert_eq!(scanseg_row_beams_init(null_mut(), size, 0.0), SCANSEG_ERROR_NULL);
+        assert_eq!(scanseg_row_beams_init(beams.as_mut_ptr(), size - 4, 0.0), SCANSEG_ERROR_STRUCT_SIZE);
+        assert_eq!(scanseg_row_beams_init(beams.as_mut_ptr(), size, 0.1), SCANSEG_OK);
+        beams.assume_init()
+    };
+    let mut session = Session::new(&nodding(SCANSEG_PLANE));
+    let directions = [0.5f32; 3 * COLUMNS];
+    for (beams, status) in [
+        (RowBeams { struct_size: 3, ..good }, SCANSEG_ERROR_STRUCT_SIZE),
+        (RowBeams { turn_rad: f32::NAN, ..good }, SCANSEG_ERROR_TURN_ANGLE),
+        (RowBeams { offset_rad: 7.0, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { lever_arm_m: f32::NAN, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { sets: 0, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { sets: 256, ..good }, SCANSEG_ERROR_ROW_BEAMS),
+        (RowBeams { direction_count: 3, ..good }, SCANSEG_ERROR_NULL),
+        (good, SCANSEG_OK),
+    ] {
+        assert_eq!(session.push_beams(&ranges_m, &beams), status, "{beams:?}");
+    }
+    let mut session = Session::new(&Config { beams: SCANSEG_FREE, ..nodding(SCANSEG_PLANE) });
+    let free = RowBeams { directions: directions.as_ptr(), direction_count: directions.len(), ..good };
+    for (beams, status) in [
+        (good, SCANSEG_ERROR_ROW_LENGTH),
+        (RowBeams { direction_count: directions.len() - 1, ..free }, SCANSEG_ERROR_ROW_LENGTH),
+        // no unit vectors
+        (free, SCANSEG_ERROR_ROW_BEAMS),
+    ] {
+        assert_eq!(session.push_beams(&ranges_m, &beams), status, "{beams:?}");
+    }
+    let lists =
+        Config { column_turns_rad: directions.as_ptr(), column_turn_count: COLUMNS as u32, ..nodding(SCANSEG_PLANE) };
+    assert_eq!(state_size(&lists), Err(SCANSEG_ERROR_CONFIG));
 }

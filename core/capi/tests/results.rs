@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::ptr::null;
 
 use scanseg_capi::*;
 use scanseg_capi_tests::{APPROACHES, COLUMNS, ROWS, Session, nodding, output, room_m, state_size};
@@ -262,7 +263,7 @@ fn by_image(session: &Session, rows: &[Vec<f32>], room: usize) -> (Status, Vec<u
     let status = unsafe {
         let (ranges_m, turns_rad) = (ranges_m.as_ptr(), turns_rad.as_ptr());
         let (work, size) = (work.as_mut_ptr(), work.len());
-        scanseg_segment_image(session.segmenter, ranges_m, rows.len(), COLUMNS, turns_rad, work, size, &mut out)
+        scanseg_segment_image(session.segmenter, ranges_m, rows.len(), COLUMNS, turns_rad, null(), work, size, &mut out)
     };
     assert_eq!((out.first_row, out.row_count, out.scan_rows), (0, rows.len() as u32, rows.len() as u32));
     assert_eq!(out.unlabelled as usize, labels.iter().filter(|&&label| label == SCANSEG_UNLABELLED).count());
@@ -324,5 +325,75 @@ fn events_of_one_call_stay_within_the_bound() {
         }
         println!("approach {approach}: {most} events at most, in {COLUMNS} columns");
         assert!(most > COLUMNS / 20);
+    }
+}
+
+/// Rows whose beams lie beside one another, free directions and full turns come out as the core has
+/// them.
+#[test]
+fn beams_of_rows() {
+    let ranging = Ranging::new(0.01);
+    let listed: Vec<f32> = (0..COLUMNS).map(|c| -0.9 + 0.01 * c as f32).collect();
+    let beside: Vec<f32> = (0..COLUMNS).map(|c| 0.002 * (c % 3) as f32).collect();
+    let directions: Vec<[f32; 3]> =
+        (0..COLUMNS).map(|c| listed[c].sin_cos()).map(|(sin, cos)| [cos * 0.8, sin, cos * 0.6]).collect();
+    let turns = scanseg_core::ColumnTurns { step_rad: 1e-5, sets: 2, set_rad: 0.003 };
+    let nodding_config = Config {
+        column_angles_rad: listed.as_ptr(),
+        column_angle_count: COLUMNS as u32,
+        column_turns_rad: beside.as_ptr(),
+        column_turn_count: COLUMNS as u32,
+        full_turns: 1,
+        ..nodding(SCANSEG_PLANE)
+    };
+    let free_config = Config { beams: SCANSEG_FREE, ..nodding(SCANSEG_EDGE) };
+    let columns = Columns::Beside { angles_rad: &listed, turns_rad: &beside };
+    let by_turns =
+        scanseg_core::RowBeams::from(0.2).with_offset_rad(0.05).with_lever_arm_m(0.1).with_column_turns(turns);
+    let cases: [(Config, AnyConfig<'_>, Beams<'_>, scanseg_core::RowBeams<'_>); 2] = [
+        (
+            nodding_config,
+            PlaneConfig::new(ranging).with_full_turns().into(),
+            Beams::Nodding { columns, axis: TurnAxis::Y },
+            by_turns,
+        ),
+        (
+            free_config,
+            EdgeConfig::paper().into(),
+            Beams::Free { wraps: false },
+            scanseg_core::RowBeams::free(&directions),
+        ),
+    ];
+    for (config, core, beams, row) in cases {
+        let mut session = Session::new(&config);
+        let sizes = core.sizes_for(&beams, COLUMNS);
+        let (mut numbers, mut halves) = (vec![0.0; sizes.numbers], vec![0; sizes.halves]);
+        let (mut words, mut areas) = (vec![0; sizes.words], vec![Area::EMPTY; sizes.areas]);
+        let memory = Memory { numbers: &mut numbers, halves: &mut halves, words: &mut words, areas: &mut areas };
+        let mut found = Collected::default();
+        let mut segmenter = AnySegmenter::new(core, beams, COLUMNS, memory).unwrap();
+        for i in 0..ROWS {
+            let ranges_m = room_m(i, COLUMNS, 0.01);
+            let mut of_c = std::mem::MaybeUninit::<RowBeams>::uninit();
+            // SAFETY: room for one; initialised if that is said.
+            let mut of_c = unsafe {
+                let status = scanseg_row_beams_init(of_c.as_mut_ptr(), size_of::<RowBeams>() as u32, turn_rad(i));
+                assert_eq!(status, SCANSEG_OK);
+                of_c.assume_init()
+            };
+            (of_c.offset_rad, of_c.lever_arm_m) = (row.offset_rad, row.lever_arm_m);
+            (of_c.column_turn_rad, of_c.sets) = (row.column_turns.step_rad, row.column_turns.sets.into());
+            of_c.set_turn_rad = row.column_turns.set_rad;
+            (of_c.directions, of_c.direction_count) = (row.directions.as_ptr().cast(), 3 * row.directions.len());
+            assert_eq!(session.push_beams(&ranges_m, &of_c), SCANSEG_OK);
+            let mut at = row;
+            at.turn_rad = turn_rad(i);
+            segmenter.push_row(&ranges_m, at, &mut found).unwrap();
+        }
+        assert_eq!(session.finish(), SCANSEG_OK);
+        segmenter.finish(&mut found);
+        assert_eq!(session.labels, found.labels);
+        assert!(found.labels.iter().any(|&label| label > 0 && label < 0xFFFF_FFFE));
+        assert_eq!(session.events.iter().filter(|e| e.kind == SCANSEG_SEGMENT).count(), found.segments.len());
     }
 }

@@ -155,7 +155,7 @@ static void image(uint32_t approach) {
     output.label_capacity = ROWS * COLUMNS;
     output.events = events;
     output.event_capacity = 1000;
-    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
+    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
                                 &output) == SCANSEG_OK);
     CHECK(output.row_count == ROWS && output.event_count > 0 && output.events_lost == 0);
     for (size_t i = 0; i < output.event_count; i++) {
@@ -170,7 +170,7 @@ static void image(uint32_t approach) {
     output.labels = NULL;
     output.events = NULL;
     output.event_capacity = 0;
-    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
+    CHECK(scanseg_segment_image(segmenter, ranges_m, ROWS, COLUMNS, turns_rad, NULL, work, SCANSEG_IMAGE_WORK(ROWS, COLUMNS),
                                 &output) == SCANSEG_OK);
     CHECK(output.event_count == 0 && output.events_lost == total);
 }

@@ -5,6 +5,7 @@
 //! - [`Session`] finds the scanner at any of its baud rates, sets it up, starts it and keeps it
 //!   running. It takes times and bytes, and returns what to send and how long to wait. It needs no
 //!   port.
+//! - [`Rows`] makes the rows of a [`LineScanner`](crate::scanner::LineScanner) of a session.
 //! - [`Scanner`] runs a session on a port, [`blocking`] or async ([`asynch`]).
 //!
 //! Sources: SICK's list of telegrams, as far as the drivers of Player, the SICK LIDAR Matlab/C++
@@ -22,6 +23,7 @@ pub mod blocking;
 pub mod command;
 pub mod crc;
 mod format;
+mod rows;
 mod scan_line;
 mod session;
 mod settings;
@@ -33,7 +35,8 @@ mod trouble;
 
 pub use action::{Action, Phase, SessionEvent};
 pub use format::{MeasuringMode, ScanLineFormat, Unit, Variant};
-pub use scan_line::{Beam, Reading, SCAN_LINE, SUB_RANGE, ScanLine, ScanLineError};
+pub use rows::Rows;
+pub use scan_line::{Beam, MEANS, Reading, SCAN_LINE, SUB_RANGE, ScanLine, ScanLineError};
 pub use session::Session;
 pub use settings::{Baud, Settings};
 pub(crate) use shell::feed;

@@ -1,6 +1,6 @@
 //! What lies beside where the angles of rows and columns alone point.
 
-use crate::geometry::Angles;
+use crate::angles::Angles;
 
 /// Rows, columns and an origin that lie beside the others: `row_offset_deg`, `column_offset_deg` and
 /// `lever_arm_m` of the geometry file.

@@ -5,6 +5,9 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+/// What went wrong with a file.
+pub(crate) type Cause = Box<dyn Error + Send + Sync>;
+
 /// A file that cannot be read, written or understood. Prints as `path: cause`, one line.
 #[derive(Debug)]
 pub struct FileError {
@@ -17,6 +20,14 @@ pub struct FileError {
 impl FileError {
     pub(crate) fn new(path: &Path, cause: impl Error + Send + Sync + 'static) -> Self {
         FileError { path: path.into(), cause: Box::new(cause) }
+    }
+
+    /// The error of a file that was read. One of another file, which it needs, stays as it is.
+    pub(crate) fn of(path: &Path, cause: Cause) -> Self {
+        match cause.downcast::<FileError>() {
+            Ok(of_other_file) => *of_other_file,
+            Err(cause) => FileError { path: path.into(), cause },
+        }
     }
 }
 

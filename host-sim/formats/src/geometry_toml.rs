@@ -7,9 +7,10 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
+use crate::angles::Angles;
 use crate::beside::Beside;
 use crate::file::{FileError, read_at_most};
-use crate::geometry::{Angles, Depth, Geometry, Kind, TurnAxis, check_order};
+use crate::geometry::{Depth, Geometry, Kind, TurnAxis, check_order};
 use crate::geometry_error::{GeometryError, short};
 use crate::limits::{
     ANGLE_DEG, CENTRE_PX, ERROR_M, FOCAL_PX, LEVER_ARM_M, Limits, MAX_RANGE_M, MIN_RANGE_M, STEP_DEG, UNIT_M,
@@ -55,7 +56,7 @@ const ANGLES: &str = "a list of angles or { start, step } (degrees)";
 const VERSION: &str = "the whole number 1";
 
 /// No geometry file is longer: 65 535 + 16 384 angles and a comment at each.
-const MAX_FILE_BYTES: u64 = 16 << 20;
+pub(crate) const MAX_FILE_BYTES: u64 = 16 << 20;
 
 impl Geometry {
     /// Reads the text of a geometry file, version 1.

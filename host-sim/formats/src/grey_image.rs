@@ -5,10 +5,10 @@
 use std::error::Error;
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
-use crate::file::FileError;
+use crate::file::{Cause, FileError};
 
 /// A grey image, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,14 +30,19 @@ impl GreyImage {
     /// Names the file, and says what the system or [`GreyImage::decode`] says.
     pub fn read(path: impl AsRef<Path>) -> Result<GreyImage, FileError> {
         let path = path.as_ref();
-        let read = |bytes: &mut Vec<u8>| File::open(path)?.take(MAX_FILE_BYTES + 1).read_to_end(bytes);
+        let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+        GreyImage::read_from(file).map_err(|cause| FileError::of(path, cause))
+    }
+
+    /// Reads an image from its first byte on.
+    pub(crate) fn read_from(source: impl Read) -> Result<GreyImage, Cause> {
         let mut bytes = vec![];
-        read(&mut bytes).map_err(|e: io::Error| FileError::new(path, e))?;
+        source.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
         match GreyImage::decode(&bytes) {
             // the header of a file that goes on
-            Err(e @ ImageError::Pixels { .. }) => Err(FileError::new(path, e)),
-            _ if bytes.len() as u64 > MAX_FILE_BYTES => Err(FileError::new(path, ImageError::FileBytes)),
-            decoded => decoded.map_err(|e| FileError::new(path, e)),
+            Err(e @ ImageError::Pixels { .. }) => Err(e.into()),
+            _ if bytes.len() as u64 > MAX_FILE_BYTES => Err(ImageError::FileBytes.into()),
+            decoded => Ok(decoded?),
         }
     }
 

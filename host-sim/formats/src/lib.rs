@@ -1,7 +1,11 @@
 //! The files of scanseg: range images, their geometry, label images, captures of a scanner.
 
+mod angles;
 mod beside;
+mod camera;
 pub mod capture;
+mod cloud;
+mod depth;
 pub mod file;
 pub mod geometry;
 mod geometry_error;
@@ -9,18 +13,24 @@ mod geometry_toml;
 pub mod grey_image;
 mod limits;
 mod noise;
+mod npy;
 pub mod range_image;
+pub mod scan;
+mod scan_error;
 mod sensors;
 mod write;
 
+pub use angles::Angles;
 pub use beside::Beside;
 pub use capture::{Capture, CaptureError};
 pub use file::{FileError, read_at_most};
-pub use geometry::{Angles, Depth, Geometry, Kind, TurnAxis};
+pub use geometry::{Depth, Geometry, Kind, TurnAxis};
 pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};
+pub use scan::{CameraOptions, Format, ReadOptions, Scan, ScanFile};
+pub use scan_error::ScanError;
 pub use sensors::{SENSORS, Sensor};
 pub use write::{remove_temporaries, write_all_or_none, write_atomic};
 

@@ -28,21 +28,41 @@ impl RangeImage {
     /// # Errors
     /// If the geometry does not fit the image, see [`Geometry::fits`].
     pub fn from_grey(image: &GreyImage, geometry: &Geometry) -> Result<RangeImage, GeometryError> {
-        geometry.fits(image.rows, image.columns)?;
+        let count = |count: &u16| if geometry.no_return.contains(count) { 0.0 } else { f64::from(*count) };
+        RangeImage::from_distances(image.rows, image.columns, image.values.iter().map(count), geometry)
+    }
+
+    /// Ranges of distances in units of the geometry, row by row, one per pixel. The rules are those of
+    /// [`RangeImage::from_grey`]. What is not above 0 or not finite is no return.
+    pub(crate) fn from_distances(
+        rows: usize,
+        columns: usize,
+        distances: impl Iterator<Item = f64>,
+        geometry: &Geometry,
+    ) -> Result<RangeImage, GeometryError> {
+        geometry.fits(rows, columns)?;
         // As f32 on both sides, so that a count exactly at a limit is within it whatever f64 makes
         // of count * unit.
         let min_m = geometry.min_range_m.unwrap_or(0.0) as f32;
         let max_m = geometry.max_range_m.map_or(f32::MAX, |m| m as f32);
-        let range_m = (0..).zip(&image.values).map(|(i, count)| {
-            let stored_m = f64::from(*count) * geometry.unit_m;
-            let dropped = *count == 0 || geometry.no_return.contains(count);
-            if dropped || !(min_m..=max_m).contains(&(stored_m as f32)) {
+        let range_m = (0..).zip(distances).map(|(i, distance)| {
+            let stored_m = distance * geometry.unit_m;
+            // a distance that is not a number is not above 0
+            let measured = distance > 0.0;
+            if !measured || !(min_m..=max_m).contains(&(stored_m as f32)) {
                 return 0.0;
             }
-            let range_m = (stored_m * ranges_per_stored(geometry, i / image.columns, i % image.columns)) as f32;
+            let range_m = (stored_m * ranges_per_stored(geometry, i / columns, i % columns)) as f32;
             if range_m.is_finite() { range_m } else { 0.0 }
         });
-        Ok(RangeImage { rows: image.rows, columns: image.columns, range_m: range_m.collect() })
+        Ok(RangeImage { rows, columns, range_m: range_m.collect() })
+    }
+
+    /// Leaves out ranges outside of the limits of a geometry.
+    pub(crate) fn keep_within(&mut self, geometry: &Geometry) {
+        let min_m = geometry.min_range_m.unwrap_or(0.0) as f32;
+        let max_m = geometry.max_range_m.map_or(f32::MAX, |m| m as f32);
+        self.range_m.iter_mut().filter(|m| !(min_m..=max_m).contains(*m)).for_each(|m| *m = 0.0);
     }
 
     /// Returns the counts of the ranges, to the nearest, in an image of 16 bits. A range that is

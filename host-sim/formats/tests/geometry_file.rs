@@ -377,4 +377,13 @@ fn examples_of_the_documentation_are_geometry_files() {
     for sensor in SENSORS {
         assert!(page.contains(&format!("\n| `{}` | ", sensor.name)), "{}", sensor.name);
     }
+    // keys of the page are keys of the format
+    let first = |line: &'static str| line.strip_prefix("| `")?.split('`').next();
+    for key in page.lines().filter_map(first).filter(|key| !SENSORS.iter().any(|sensor| sensor.name == *key)) {
+        let meant = [SPINNING, NODDING, PINHOLE].map(|text| {
+            let said = Geometry::parse(&format!("{text}{key}_ = 1\n")).unwrap_err().to_string();
+            said.contains(&format!("(is `{key}` meant?)"))
+        });
+        assert!(meant.contains(&true), "{key} is not a key");
+    }
 }

@@ -9,13 +9,14 @@ use serde::Serialize;
 use crate::command::input::Input;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::{Failure, print, warn};
+use crate::command::warnings;
 
 /// Time the core alone: all rows of a scan from memory, labels and planes out
 #[derive(Args)]
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Rounds that are timed, after one that is not
@@ -41,10 +42,11 @@ struct Figures {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
-    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (max_labels, rounds) = (arguments.options.max_labels(), arguments.repeat as usize);
     let timing = Timing::of(&input.ranges, &input.geometry, config, max_labels, rounds)
         .map_err(|e| in_terms_of_options(&input.name, e))?;
+    let stated = arguments.options.states_noise(&input.geometry);
+    warnings::of_scan(&input, &config, stated).iter().for_each(|warning| warn(warning));
     let figures = Figures {
         median_ns_per_point: timing.median_ns(),
         min_ns_per_point: timing.ns_per_point[0],

@@ -2,15 +2,21 @@
 
 use std::fmt::Write;
 
-use scanseg_core::{Plane, Segment};
+use scanseg_core::{Approach, Plane, Segment};
+use scanseg_sim::overview::Line;
 use serde::Serialize;
 
 use crate::command::options::Configuration;
 use crate::command::output::Failure;
 
+/// Segments that the table and the legend show.
+const LINES: usize = 12;
+
 /// What `segments.json` holds.
 #[derive(Serialize)]
 pub struct Listing {
+    #[serde(skip)]
+    pub approach: Approach,
     pub header: Header,
     pub segments: Vec<Entry>,
 }
@@ -42,13 +48,14 @@ pub struct Header {
 /// A segment; without a plane (`null`) where its points do not make one.
 #[derive(Serialize)]
 pub struct Entry {
-    pub number: usize,
+    /// Its value in `labels.png`.
     pub label: u32,
     pub pixels: u32,
     pub first_row: u16,
     pub last_row: u16,
     pub first_column: u16,
     pub last_column: u16,
+    /// Mean of its points, each of which counts the same.
     pub centroid_m: [f32; 3],
     pub normal: Option<[f32; 3]>,
     pub distance_m: Option<f32>,
@@ -58,17 +65,16 @@ pub struct Entry {
 }
 
 impl Entry {
-    pub fn new(number: usize, segment: &Segment) -> Entry {
+    pub fn new(label: u32, segment: &Segment, centroid_m: [f32; 3]) -> Entry {
         let plane: Option<Plane> = segment.plane();
         Entry {
-            number,
-            label: segment.label.0,
+            label,
             pixels: segment.pixels(),
             first_row: segment.first_row,
             last_row: segment.last_row,
             first_column: segment.first_column,
             last_column: segment.last_column,
-            centroid_m: segment.centroid_m(),
+            centroid_m,
             normal: plane.map(|p| p.normal),
             distance_m: plane.map(|p| p.distance_m),
             rms_m: plane.map(|p| p.rms_m),
@@ -86,31 +92,49 @@ impl Listing {
 
     /// One line per segment; fields of a plane are empty where there is none.
     pub fn csv(&self) -> Vec<u8> {
-        let mut text = "number,label,pixels,first_row,last_row,first_column,last_column,centroid_x_m,centroid_y_m,\
+        let mut text = "label,pixels,first_row,last_row,first_column,last_column,centroid_x_m,centroid_y_m,\
              centroid_z_m,normal_x,normal_y,normal_z,distance_m,rms_m"
             .to_string();
         (0..16).for_each(|i| text += &format!(",covariance_{}{}", i / 4, i % 4));
         text.push('\n');
         for e in &self.segments {
-            let whole = [e.number as u32, e.label, e.pixels];
+            let whole = [e.label, e.pixels];
             let box_ = [e.first_row, e.last_row, e.first_column, e.last_column].map(u32::from);
             let mut fields: Vec<String> = whole.iter().chain(&box_).map(u32::to_string).collect();
             fields.extend(e.centroid_m.map(|x| x.to_string()));
             let plane = e.normal.into_iter().flatten().chain(e.distance_m).chain(e.rms_m);
             let plane = plane.chain(e.covariance.into_iter().flatten().flatten());
             fields.extend(plane.map(|x| x.to_string()));
-            fields.resize(10 + 5 + 16, String::new());
+            fields.resize(9 + 5 + 16, String::new());
             text += &fields.join(",");
             text.push('\n');
         }
         text.into_bytes()
     }
 
+    /// Returns a line for each segment of the table, for the legend of a picture.
+    pub fn legend(&self) -> Vec<Line> {
+        let line = |e: &Entry| {
+            let plane = e.distance_m.zip(e.rms_m);
+            let plane = plane.map(|(d, rms_m)| format!(", plane {d:.2} m away, rms {:.1} mm", 1e3 * rms_m));
+            Line { label: e.label, text: format!("{} pixels{}", e.pixels, plane.unwrap_or_default()) }
+        };
+        self.segments.iter().take(LINES).map(line).collect()
+    }
+
+    /// Returns how many pixels are in no segment for the sake of edges, in the words of the approach.
+    fn on_edges(&self) -> String {
+        match self.approach {
+            Approach::Plane => String::new(),
+            Approach::Edge => format!(", {} on edges", self.header.edge_pixels),
+            Approach::Region => format!(", {} on no line", self.header.edge_pixels),
+        }
+    }
+
     /// Returns the largest segments and the totals.
     pub fn table(&self) -> String {
-        const LINES: usize = 12;
         let mut text =
-            String::from(" number   pixels  distance m            normal          rms mm       rows     columns\n");
+            String::from("  label   pixels  distance m            normal          rms mm       rows     columns\n");
         for e in self.segments.iter().take(LINES) {
             let plane = match (e.distance_m, e.normal, e.rms_m) {
                 (Some(d), Some([x, y, z]), Some(rms_m)) => {
@@ -120,7 +144,7 @@ impl Listing {
             };
             let rows = format!("{}-{}", e.first_row, e.last_row);
             let columns = format!("{}-{}", e.first_column, e.last_column);
-            let _ = writeln!(text, "{:7}  {:7} {plane}  {rows:>9}  {columns:>10}", e.number, e.pixels);
+            let _ = writeln!(text, "{:7}  {:7} {plane}  {rows:>9}  {columns:>10}", e.label, e.pixels);
         }
         let h = &self.header;
         let more = self.segments.len().saturating_sub(LINES);
@@ -129,25 +153,15 @@ impl Listing {
         }
         let _ = writeln!(
             text,
-            "{} x {} pixels, {} with a return, {} on edges; {} segments, {} of them with {} pixels or more",
-            h.rows, h.columns, h.returns, h.edge_pixels, h.segments_found, h.segments_listed, h.min_pixels
+            "{} x {} pixels, {} with a return{}; {} segments, {} of them with {} pixels or more",
+            h.rows,
+            h.columns,
+            h.returns,
+            self.on_edges(),
+            h.segments_found,
+            h.segments_listed,
+            h.min_pixels
         );
-        if h.outside_limits > h.returns {
-            let Configuration { min_range_m, max_range_m, .. } = &h.configuration;
-            let _ = writeln!(
-                text,
-                "warning: {} of {} counts lie outside {min_range_m} m to {max_range_m} m: is unit_m right?",
-                h.outside_limits,
-                h.outside_limits + h.returns
-            );
-        }
-        if h.unlabelled_pixels > 0 {
-            let _ = writeln!(
-                text,
-                "{} pixels got no label: the table of live labels was full (--max-labels)",
-                h.unlabelled_pixels
-            );
-        }
         text
     }
 }

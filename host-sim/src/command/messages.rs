@@ -13,17 +13,23 @@ use scanseg_hal::rig::Counters;
 pub struct LinkOptions {
     /// Smaller segments are left out
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
-    min_pixels: u32,
+    pub min_pixels: u32,
     /// Write the frames of the link to this file, for scanseg listen
     #[arg(long, value_name = "FILE")]
     pub link: Option<PathBuf>,
 }
 
-/// What has come over the link within the program: lines for the terminal, and all of its bytes.
+/// What has come over the link within the program: lines for the terminal, and its bytes where they
+/// are asked for.
 #[derive(Default)]
 pub struct Host {
+    /// Lines that have not been printed.
     pub lines: Vec<String>,
+    /// Lines that have been printed.
+    pub printed: usize,
     pub bytes: Vec<u8>,
+    /// Pixels without a label, of all scans.
+    pub unlabelled: u32,
     /// For each scan that is over, the count of lines at its end.
     pub scan_ends: Vec<usize>,
 }
@@ -31,19 +37,29 @@ pub struct Host {
 impl Host {
     fn take(&mut self, received: &Received) {
         self.lines.extend(line(received));
-        if let Received::Message { message: Message::ScanFinished(_), .. } = received {
-            self.scan_ends.push(self.lines.len());
+        if let Received::Message { message: Message::ScanFinished(scan), .. } = received {
+            self.unlabelled = self.unlabelled.saturating_add(scan.unlabelled);
+            self.scan_ends.push(self.printed + self.lines.len());
         }
+    }
+
+    /// Takes the lines that are to be printed, up to so many since the beginning.
+    pub fn take_lines(&mut self, until: usize) -> Vec<String> {
+        let count = until.saturating_sub(self.printed).min(self.lines.len());
+        self.printed += count;
+        self.lines.drain(..count).collect()
     }
 }
 
 impl LinkOptions {
     /// Returns a reporter whose frames come to `host`.
     pub fn reporter(&self, host: &Rc<RefCell<Host>>) -> Reporter<impl FnMut(&[u8]) + use<>> {
-        let (host, mut decoder) = (Rc::clone(host), FrameDecoder::new());
+        let (host, mut decoder, keeps_bytes) = (Rc::clone(host), FrameDecoder::new(), self.link.is_some());
         Reporter::new(self.min_pixels, move |frame: &[u8]| {
             let mut host = host.borrow_mut();
-            host.bytes.extend(frame);
+            if keeps_bytes {
+                host.bytes.extend(frame);
+            }
             decoder.feed(frame, |received| host.take(&received));
         })
     }
@@ -63,7 +79,12 @@ pub fn line(received: &Received) -> Option<String> {
         Message::Segment(segment) => Some(segment_line(segment)),
         Message::ScanFinished(scan) => {
             let end = format!("{:?}", scan.end).to_lowercase();
-            Some(format!("scan {} over ({end}): {} rows\n{}", scan.number, scan.rows, counters_line(&scan.counters)))
+            let unlabelled = match scan.unlabelled {
+                0 => String::new(),
+                pixels => format!(", {pixels} pixels without a label: the table of live labels was full"),
+            };
+            let counters = counters_line(&scan.counters);
+            Some(format!("scan {} over ({end}): {} rows{unlabelled}\n{counters}", scan.number, scan.rows))
         }
         Message::Status(counters) => Some(counters_line(counters)),
         Message::Trouble(trouble) => Some(format!("trouble: {trouble}")),
@@ -103,6 +124,8 @@ pub fn counters_line(counters: &Counters) -> String {
         (counters.refused, "refused"),
         (counters.encoder_errors, "encoder errors"),
         (counters.troubles, "troubles"),
+        (counters.overruns, "bytes taken too late"),
+        (counters.queue_full, "bytes before a full queue"),
     ] {
         if count > 0 {
             text += &format!(", {count} {why}");

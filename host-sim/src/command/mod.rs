@@ -12,13 +12,16 @@ mod noise;
 mod office;
 mod options;
 mod output;
+mod planes;
 mod replay;
 mod rig;
 mod say;
 mod scene_set;
 mod segment;
+mod shown;
 #[cfg(unix)]
 mod signals;
+mod warnings;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -31,6 +34,7 @@ use crate::command::output::Failure;
 /// 2006).
 #[derive(Parser)]
 #[command(name = "scanseg", version, arg_required_else_help = true)]
+#[command(after_help = "Range images and their geometry files, with examples to copy: docs/scan-format.md")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

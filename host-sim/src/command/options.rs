@@ -8,6 +8,7 @@ use scanseg_formats::{Depth, Geometry, Kind, Noise, SENSORS, Sensor};
 use scanseg_sim::segmentation::{self, SegmentationError, stated_noise_m};
 use serde::Serialize;
 
+use crate::command::input::with_page;
 use crate::command::output::Failure;
 
 /// Edges and regions take the noise that is stated of this range for that of all.
@@ -240,7 +241,11 @@ fn name(approach: Approach) -> &'static str {
 
 /// Names the option that a refused configuration value came from, or else the scan.
 pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
-    let SegmentationError::Config(config_error) = &e else { return format!("{scan}: {e}").into() };
+    let config_error = match &e {
+        SegmentationError::Config(config_error) => config_error,
+        SegmentationError::Geometry(e) => return with_page(&format!("{scan}: {e}")),
+        _ => return format!("{scan}: {e}").into(),
+    };
     match *config_error {
         ConfigError::Value { field: "roof_angle_rad", value } => {
             format!("--roof-angle-deg cannot be {}", value.to_degrees()).into()
@@ -259,7 +264,7 @@ pub fn in_terms_of_options(scan: &str, e: SegmentationError) -> Failure {
         ConfigError::Count { field: field @ ("traces.rows" | "traces.columns"), value } => {
             format!("--traces cannot go back {value} {}", field.trim_start_matches("traces.")).into()
         }
-        _ => format!("{scan}: its geometry: {config_error}").into(),
+        _ => with_page(&format!("{scan}: its geometry: {config_error}")),
     }
 }
 

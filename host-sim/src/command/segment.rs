@@ -1,12 +1,12 @@
-//! `scanseg segment`: a range image in; labels, edges, bearing angles, lists and an overview out.
+//! `scanseg segment`: a range image in; labels, pictures, points, bearing angles and lists out.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
-use scanseg_formats::GreyImage;
-use scanseg_sim::overview::{Images, overview};
+use scanseg_formats::{Geometry, GreyImage, RangeImage};
+use scanseg_sim::point_cloud::point_m;
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::input::Input;
@@ -14,16 +14,23 @@ use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
+use crate::command::shown::Shown;
+use crate::command::{planes, warnings};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
 
 /// Segment a range image
+///
+/// Writes, into one folder: segments.csv and segments.json, a segment a line, `label` its value in
+/// labels.png; labels.png, edges.png (not by planes) and bearing-*.png, pixel by pixel as the scan;
+/// segments.png, overlay.png (segments over the ranges) and overview.png, up being up and left
+/// being left as the scanner sees them; points.ply, the returns as points with colour and label.
 #[derive(Args)]
 pub struct Arguments {
     /// Range image: grey PGM (P5) or PNG
     scan: PathBuf,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE")]
     geometry: PathBuf,
     /// Folder for the results; made if it is not there
@@ -40,20 +47,19 @@ pub struct Arguments {
 pub struct ListOptions {
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
-    min_pixels: u32,
+    pub min_pixels: u32,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let input = Input::read(&arguments.scan, &arguments.geometry)?;
     let config = arguments.options.config(&input.geometry)?;
-    input.suspicion(&config.ranging()).iter().for_each(|suspicion| warn(suspicion));
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
     print(&summary)
 }
 
-/// Segments a range image. Returns the files to write, and what to print. Warns of a noise that
-/// does not fit.
+/// Segments a range image. Returns the files to write, and what to print. Warns of what looks
+/// wrong.
 pub fn segment(
     input: &Input,
     config: AnyConfig<'_>,
@@ -75,37 +81,32 @@ pub fn segment(
     };
     bar.finish_and_clear();
 
-    let numbers = segmentation.numbers(lists.min_pixels);
-    let listing = listing(input, &config, &segmentation, lists.min_pixels);
-    let labels_png = labels_png(input, &numbers, &listing)?;
-    let [horizontal, vertical, diagonal, antidiagonal] =
-        bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
-    let images = Images {
-        bearing_rows: &horizontal,
-        bearing_columns: &vertical,
-        edges: &titled(config.approach(), &edges, &segmentation),
-        closed_edges: &segmentation.closed_edges,
-        numbers: &numbers,
-    };
+    let labels = segmentation.numbers(lists.min_pixels);
+    let listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
+    let labels_png = labels_png(input, &labels, &listing)?;
+    let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
+    let shown = Shown { input, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
+    let mut files = shown.pictures([&bearings[0], &bearings[1]], &listing.legend());
+    files.push(("points.ply", shown.point_cloud()));
+    files.push(("labels.png", labels_png));
     let grey = |max_value, values| GreyImage { rows, columns, max_value, values }.to_png();
-    let edges_png = grey(255, segmentation.closed_edges.iter().map(|&edge| if edge { 255 } else { 0 }).collect());
-    let files = [
-        ("overview.png", overview(&input.ranges, &input.geometry, &images).to_png()),
-        ("labels.png", labels_png),
-        ("edges.png", edges_png),
-        ("bearing-horizontal.png", grey(65535, horizontal)),
-        ("bearing-vertical.png", grey(65535, vertical)),
-        ("bearing-diagonal.png", grey(65535, diagonal)),
-        ("bearing-antidiagonal.png", grey(65535, antidiagonal)),
-        ("segments.csv", listing.csv()),
-        ("segments.json", listing.json()?),
-    ];
+    if config.approach() != Approach::Plane {
+        let edges = segmentation.closed_edges.iter().map(|&edge| if edge { 255 } else { 0 });
+        files.push(("edges.png", grey(255, edges.collect())));
+    }
+    let names = ["bearing-horizontal.png", "bearing-vertical.png", "bearing-diagonal.png", "bearing-antidiagonal.png"];
+    files.extend(names.into_iter().zip(bearings.map(|counts| grey(65535, counts))));
+    files.push(("segments.csv", listing.csv()));
+    files.push(("segments.json", listing.json()?));
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
     let stated = options.states_noise(&input.geometry);
-    noise::suspicion(&input.name, &config, stated, segmentation.noise).iter().for_each(|suspicion| warn(suspicion));
+    let mut all = warnings::of_scan(input, &config, stated);
+    all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
+    all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
-    let summary = format!("{table}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
-    Ok((files.map(|(name, bytes)| (name.to_string(), bytes)).into(), summary))
+    let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
+    let summary = format!("{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    Ok((files.into_iter().map(|(name, bytes)| (name.to_string(), bytes)).collect(), summary))
 }
 
 /// Returns the edges of the traces along rows alone, and of those along columns alone: of the
@@ -126,23 +127,6 @@ fn edges_along_rows_and_columns(
     Ok(vec![along_rows, along_columns])
 }
 
-/// Returns the images of edges with their titles.
-fn titled<'a>(
-    approach: Approach,
-    along: &'a [Vec<bool>],
-    segmentation: &'a Segmentation,
-) -> Vec<(&'static str, &'a [bool])> {
-    let (edges, closed_edges) = (&segmentation.edges[..], &segmentation.closed_edges[..]);
-    match approach {
-        Approach::Edge => {
-            let titles = ["Edges along rows", "Edges along columns", "Edges of all traces", "Edges after closing"];
-            titles.into_iter().zip(along.iter().map(Vec::as_slice).chain([edges, closed_edges])).collect()
-        }
-        Approach::Plane => vec![("Pixels on no plane", closed_edges)],
-        Approach::Region => vec![("Where lines begin", edges), ("Pixels on no line", closed_edges)],
-    }
-}
-
 fn bearing_images<const N: usize>(
     input: &Input,
     config: &AnyConfig<'_>,
@@ -155,12 +139,21 @@ fn bearing_images<const N: usize>(
     Ok(images)
 }
 
-fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, min_pixels: u32) -> Listing {
+fn listing(
+    input: &Input,
+    config: &AnyConfig<'_>,
+    segmentation: &Segmentation,
+    labels: &[u32],
+    min_pixels: u32,
+) -> Listing {
     let ranging = config.ranging();
     let listed = segmentation.of_pixels(min_pixels);
     let is_return = |range_m: &&f32| (ranging.min_range_m..=ranging.max_range_m).contains(*range_m);
     let returns = input.ranges.range_m.iter().filter(is_return).count();
+    let centroids_m = centroids_m(&input.ranges, &input.geometry, labels, listed.len());
+    let entries = (1..).zip(listed).zip(centroids_m);
     Listing {
+        approach: config.approach(),
         header: Header {
             rows: segmentation.rows,
             columns: segmentation.columns,
@@ -174,17 +167,30 @@ fn listing(input: &Input, config: &AnyConfig<'_>, segmentation: &Segmentation, m
             min_pixels,
             configuration: Configuration::new(config),
         },
-        segments: (1..).zip(listed).map(|(number, segment)| Entry::new(number, segment)).collect(),
+        segments: entries.map(|((label, segment), centroid_m)| Entry::new(label, segment, centroid_m)).collect(),
     }
 }
 
-/// Returns the image of the segments' numbers. Its 16 bits must do for them.
-fn labels_png(input: &Input, numbers: &[u32], listing: &Listing) -> Result<Vec<u8>, Failure> {
+/// Returns the mean of the points of each label from 1 to `count`.
+fn centroids_m(ranges: &RangeImage, geometry: &Geometry, labels: &[u32], count: usize) -> Vec<[f32; 3]> {
+    let mut sums = vec![([0.0; 3], 0.0); count + 1];
+    for (i, (&label, &range_m)) in labels.iter().zip(&ranges.range_m).enumerate().filter(|(_, (label, _))| **label > 0)
+    {
+        let (sum, points) = &mut sums[label as usize];
+        let point_m = point_m(geometry, i / ranges.columns, i % ranges.columns, range_m);
+        sum.iter_mut().zip(point_m).for_each(|(sum, metres)| *sum += metres);
+        *points += 1.0;
+    }
+    sums[1..].iter().map(|(sum, points)| sum.map(|sum| (sum / points) as f32)).collect()
+}
+
+/// Returns the image of the segments' labels. Its 16 bits must do for them.
+fn labels_png(input: &Input, labels: &[u32], listing: &Listing) -> Result<Vec<u8>, Failure> {
     let Header { rows, columns, segments_listed: found, min_pixels, .. } = listing.header;
     if found > usize::from(u16::MAX) {
         let what = format!("{found} segments of {min_pixels} pixels or more are too many for labels.png (65535)");
         return Err(format!("{}: {what}: use a larger --min-pixels", input.name).into());
     }
-    let values = numbers.iter().map(|&number| number as u16).collect();
+    let values = labels.iter().map(|&label| label as u16).collect();
     Ok(GreyImage { rows, columns, max_value: 65535, values }.to_png())
 }

@@ -1,23 +1,17 @@
-//! Charts as SVG, and any SVG as PNG. A chart is a grid of panels: those of a row share its y axis,
-//! all share the x axis.
-//!
-//! The SVG is also fit to stand in a web page: text and axes have the page's colour, and its style
-//! sheet can give others to the classes `paper` (background) and `s0`, `s1`, ... (curves).
+//! Charts: a grid of panels. Those of a row share its y axis, all share the x axis.
 
-use std::fmt::Write;
-use std::sync::Arc;
-
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{Options, Tree, fontdb};
+use crate::experiment::drawing::Drawing;
+use crate::picture::{Anchor, text_width};
 
 /// Between panels.
 const GAP: (f64, f64) = (30.0, 26.0);
-/// For labels to the left, above (legend and titles), to the right, below.
-const MARGINS: (f64, f64, f64, f64) = (62.0, 56.0, 18.0, 46.0);
-
-/// Colours and dashes of curves, by style; from the palette of Okabe and Ito, which the
-/// colour-blind can tell apart.
-const STYLES: [(&str, &str); 4] = [("#0072b2", ""), ("#d55e00", "7 3"), ("#008763", "2 2"), ("#b35a90", "9 2 2 2")];
+/// For labels to the left, for half a label above, to the right, below.
+const MARGINS: (f64, f64, f64, f64) = (62.0, 8.0, 18.0, 46.0);
+/// For the legend, and for titles.
+const LEGEND: f64 = 24.0;
+const TITLES: f64 = 24.0;
+/// A panel of [`Chart::parts`].
+const PART: (f64, f64) = (260.0, 190.0);
 
 /// How values become places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,159 +99,102 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Returns the chart as an SVG file.
-    pub fn svg(&self) -> String {
-        let (left, above, right, below) = MARGINS;
+    /// Returns the whole chart.
+    pub fn drawing(&self) -> Drawing {
+        let (left, _, right, below) = MARGINS;
+        let above = self.above();
         let column_x = |column: usize| left + column as f64 * (self.panel.0 + GAP.0);
         let row_y = |row: usize| above + row as f64 * (self.panel.1 + GAP.1);
-        let legend_width = |name: &String| 62.0 + 7.0 * name.chars().count() as f64;
         let legend = left + self.legend.iter().map(legend_width).sum::<f64>();
         let width = (column_x(self.columns.len()) - GAP.0 + right).max(legend);
         let height = row_y(self.rows.len()) - GAP.1 + below;
-        let mut svg = Svg::new(width, height, &self.title);
-        let mut x = left;
-        for (style, name) in self.legend.iter().enumerate() {
-            svg.curve(style, &[(x, 16.0), (x + 30.0, 16.0)]);
-            svg.text(x + 36.0, 20.0, "start", name);
-            x += legend_width(name);
-        }
+        let mut drawing = Drawing::new(width, height, &self.title);
+        self.draw_legend(&mut drawing, left);
         for (column, title) in self.columns.iter().enumerate() {
-            svg.text(column_x(column) + self.panel.0 / 2.0, above - 10.0, "middle", title);
+            drawing.text((column_x(column) + self.panel.0 / 2.0, above - 10.0), Anchor::Middle, title);
         }
         for (number, row) in self.rows.iter().enumerate() {
             let (top, last) = (row_y(number), number + 1 == self.rows.len());
-            svg.upright(16.0, top + self.panel.1 / 2.0, &row.y.label);
+            drawing.upright((16.0, top + self.panel.1 / 2.0), &row.y.label);
             for (tick, name) in &row.y.ticks {
-                svg.text(left - 6.0, top + self.panel.1 * (1.0 - row.y.place(*tick)) + 4.0, "end", name);
+                let y = top + self.panel.1 * (1.0 - row.y.place(*tick)) + 4.0;
+                drawing.text((left - 6.0, y), Anchor::End, name);
             }
             for (column, curves) in row.panels.iter().enumerate() {
-                self.panel(&mut svg, (column_x(column), top), &row.y, curves, last);
+                self.panel(&mut drawing, (column_x(column), top), &row.y, curves, last);
             }
         }
-        svg.text((left + column_x(self.columns.len()) - GAP.0) / 2.0, height - 8.0, "middle", &self.x.label);
-        svg.finish()
+        let middle = (left + column_x(self.columns.len()) - GAP.0) / 2.0;
+        drawing.text((middle, height - 8.0), Anchor::Middle, &self.x.label);
+        drawing
+    }
+
+    /// Returns each panel as a chart of its own, row by row, for narrow pages. They have no legend.
+    pub fn parts(&self) -> Vec<Vec<Chart>> {
+        let part = |y: &Axis, column: &String, curves: &Vec<Curve>| Chart {
+            columns: vec![column.clone()],
+            rows: vec![Row { y: y.clone(), panels: vec![curves.clone()] }],
+            panel: PART,
+            legend: vec![],
+            ..self.clone()
+        };
+        let named = |row: &Row| {
+            let panels = self.columns.iter().zip(&row.panels);
+            panels.map(|(name, curves)| part(&row.y, name, curves)).collect()
+        };
+        self.rows.iter().map(named).collect()
+    }
+
+    /// Returns the legend alone.
+    pub fn legend(&self) -> Drawing {
+        let width = self.legend.iter().map(legend_width).sum::<f64>();
+        let mut drawing = Drawing::new(width.ceil(), 28.0, &self.legend.join(", "));
+        self.draw_legend(&mut drawing, 0.0);
+        drawing
+    }
+
+    fn draw_legend(&self, drawing: &mut Drawing, mut x: f64) {
+        for (style, name) in self.legend.iter().enumerate() {
+            drawing.curve(style, &[(x, 16.0), (x + 30.0, 16.0)]);
+            drawing.text((x + 36.0, 20.0), Anchor::Start, name);
+            x += legend_width(name);
+        }
+    }
+
+    /// What stands above the panels: a legend, titles.
+    fn above(&self) -> f64 {
+        let legend = if self.legend.is_empty() { 0.0 } else { LEGEND };
+        let titles = if self.columns.iter().all(String::is_empty) { 0.0 } else { TITLES };
+        MARGINS.1 + legend + titles
     }
 
     /// A panel with its upper left corner at `corner`; `last` in the column has the ticks of x
     /// below.
-    fn panel(&self, svg: &mut Svg, corner: (f64, f64), y: &Axis, curves: &[Curve], last: bool) {
+    fn panel(&self, drawing: &mut Drawing, corner: (f64, f64), y: &Axis, curves: &[Curve], last: bool) {
         let at_x = |value| corner.0 + self.panel.0 * self.x.place(value);
         let at_y = |value| corner.1 + self.panel.1 * (1.0 - y.place(value));
         let (right, bottom) = (corner.0 + self.panel.0, corner.1 + self.panel.1);
         for (tick, _) in &y.ticks {
-            svg.grid((corner.0, at_y(*tick)), (right, at_y(*tick)));
+            drawing.grid((corner.0, at_y(*tick)), (right, at_y(*tick)));
         }
         for (tick, name) in &self.x.ticks {
-            svg.grid((at_x(*tick), corner.1), (at_x(*tick), bottom));
+            drawing.grid((at_x(*tick), corner.1), (at_x(*tick), bottom));
             if last {
-                svg.text(at_x(*tick), bottom + 16.0, "middle", name);
+                drawing.text((at_x(*tick), bottom + 16.0), Anchor::Middle, name);
             }
         }
         for curve in curves {
             let points: Vec<_> = curve.points.iter().map(|&(x, y)| (at_x(x), at_y(y))).collect();
-            svg.curve(curve.style, &points);
+            drawing.curve(curve.style, &points);
             if self.dots {
-                svg.dots(curve.style, &points);
+                drawing.dots(curve.style, &points);
             }
         }
     }
 }
 
-/// An SVG file in the making. Units are pixels at a scale of 1; text is 12 of them high.
-pub struct Svg(String);
-
-impl Svg {
-    /// Returns an empty sheet, white; `title` is for readers who cannot see it.
-    pub fn new(width: f64, height: f64, title: &str) -> Svg {
-        Svg(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-             role=\"img\" color=\"#222\" fill=\"none\" font-family=\"'DejaVu Sans', Verdana, sans-serif\" font-size=\"12\">\n\
-             <title>{}</title>\n<rect class=\"paper\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-            escaped(title)
-        ))
-    }
-
-    /// A line of text; `anchor` is `start`, `middle` or `end`.
-    pub fn text(&mut self, x: f64, y: f64, anchor: &str, text: &str) {
-        let text = escaped(text);
-        let _ = writeln!(
-            self.0,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"currentColor\">{text}</text>"
-        );
-    }
-
-    /// A line of text that reads from below upwards, its middle at (x, y).
-    fn upright(&mut self, x: f64, y: f64, text: &str) {
-        let text = escaped(text);
-        let turn = format!("translate({x:.1} {y:.1}) rotate(-90)");
-        let _ =
-            writeln!(self.0, "<text transform=\"{turn}\" text-anchor=\"middle\" fill=\"currentColor\">{text}</text>");
-    }
-
-    fn grid(&mut self, from: (f64, f64), to: (f64, f64)) {
-        let line = format!("M{:.1} {:.1}L{:.1} {:.1}", from.0, from.1, to.0, to.1);
-        let _ = writeln!(self.0, "<path d=\"{line}\" stroke=\"currentColor\" stroke-opacity=\"0.15\"/>");
-    }
-
-    fn curve(&mut self, style: usize, points: &[(f64, f64)]) {
-        let path: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1} {y:.1}")).collect();
-        let (colour, dashes) = STYLES[style % STYLES.len()];
-        let dashes = if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
-        let path = path.join("L");
-        let _ = writeln!(
-            self.0,
-            "<path class=\"s{style}\" d=\"M{path}\" stroke=\"{colour}\" stroke-width=\"2\" stroke-linejoin=\"round\"{dashes}/>"
-        );
-    }
-
-    fn dots(&mut self, style: usize, points: &[(f64, f64)]) {
-        let colour = STYLES[style % STYLES.len()].0;
-        for (x, y) in points {
-            // a line without length and with round ends
-            let _ = writeln!(
-                self.0,
-                "<path class=\"s{style}\" d=\"M{x:.1} {y:.1}h0\" stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\"/>"
-            );
-        }
-    }
-
-    /// A PNG file as a picture, `width` x `height` units, upper left corner at (x, y).
-    pub fn picture(&mut self, (x, y): (f64, f64), (width, height): (f64, f64), png: &[u8]) {
-        use base64::prelude::{BASE64_STANDARD, Engine};
-        let data = BASE64_STANDARD.encode(png);
-        let _ = writeln!(
-            self.0,
-            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" image-rendering=\"optimizeSpeed\" \
-             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>"
-        );
-    }
-
-    /// Returns the file.
-    pub fn finish(mut self) -> String {
-        self.0 += "</svg>\n";
-        self.0
-    }
-}
-
-/// Text as it may stand in SVG and HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// Returns a PNG file of an SVG of this module, `scale` pixels per unit, above 0.
-///
-/// # Panics
-/// If it is no SVG, or too large to be drawn.
-pub fn png(svg: &str, scale: f32) -> Vec<u8> {
-    // The font comes with the program: none needs to be installed.
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    let options = Options { fontdb: Arc::new(fonts), ..Options::default() };
-    let tree = Tree::from_str(svg, &options).expect("an SVG of our own");
-    let size = tree.size().to_int_size().scale_by(scale).expect("a scale above 0");
-    let mut pixels = Pixmap::new(size.width(), size.height()).expect("a size that can be drawn");
-    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().expect("a PNG in memory")
+fn legend_width(name: &String) -> f64 {
+    62.0 + f64::from(text_width(12.0, name).ceil())
 }
 
 #[cfg(test)]
@@ -282,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_small_chart_to_the_letter() {
-        insta::assert_snapshot!(chart().svg());
+        insta::assert_snapshot!(chart().drawing().svg());
     }
 
     #[test]
@@ -303,15 +240,9 @@ mod tests {
 
     #[test]
     fn the_picture_has_text_and_curves_where_the_chart_has() {
-        let bytes = png(&chart().svg(), 2.0);
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut rgba).unwrap();
-        let pixel = |x: f64, y: f64| {
-            let i = 4 * ((2.0 * y) as usize * info.width as usize + (2.0 * x) as usize);
-            [rgba[i], rgba[i + 1], rgba[i + 2]]
-        };
-        let (left, above, ..) = MARGINS;
+        let pixels = chart().drawing().pixels(2.0);
+        let pixel = |x: f64, y: f64| pixels.get((2.0 * x) as usize, (2.0 * y) as usize).unwrap();
+        let (left, above) = (MARGINS.0, chart().above());
         let (width, height) = chart().panel;
         // a quarter along the first curve; shortly before the end of the second, which lies beyond
         // the axis

@@ -1,11 +1,12 @@
 //! The figures of the paper from the results, numbered as there; and one of the cost.
 
-use crate::experiment::chart::{Axis, Chart, Curve, Row, Scale, Svg};
+use crate::experiment::chart::{Axis, Chart, Curve, Row, Scale};
 use crate::experiment::counts::Counts;
+use crate::experiment::drawing::Drawing;
 use crate::experiment::method::TOLERANCES;
 use crate::experiment::results::Results;
-use crate::overview::{NO_RETURN, View, range_title, usual_ranges_m};
-use crate::picture::{Picture, label_colour, range_colour};
+use crate::overview::{Frame, NO_RETURN, View, range_title, usual_ranges_m};
+use crate::picture::{Anchor, Picture, label_colour, range_colour};
 
 /// A figure.
 #[derive(Clone, Debug)]
@@ -14,10 +15,14 @@ pub struct Figure {
     pub name: &'static str,
     /// What it shows.
     pub caption: String,
-    /// The picture.
-    pub svg: String,
-    /// Pixels of the PNG per unit of the SVG.
-    pub scale: f32,
+    /// The figure in one piece.
+    pub whole: Drawing,
+    /// The same in rows of pieces that a page may put below each other where it is narrow.
+    pub parts: Vec<Vec<Drawing>>,
+    /// What the curves of all pieces mean.
+    pub legend: Option<Drawing>,
+    /// Pixels of the PNG per unit of the drawing.
+    pub scale: f64,
 }
 
 /// All figures in order.
@@ -27,47 +32,61 @@ pub fn figures(results: &Results) -> Vec<Figure> {
 
 /// Fig. 6. Without a mark for edges: what is in no segment is dark.
 fn scene(results: &Results) -> Figure {
-    const TITLE: f64 = 20.0;
     const GAP: f64 = 8.0;
     let sample = &results.sample;
     let scan = &sample.scan;
-    let view = View::of(&sample.geometry, scan.rows, scan.columns);
+    let frame = Frame::of(View::of(&sample.geometry, scan.rows, scan.columns), scan.rows, scan.columns);
     let (near_m, far_m) = usual_ranges_m(scan);
     let labels = |label: &dyn Fn(usize) -> u32| {
-        let colour = |i: usize| if scan.range_m[i] > 0.0 { label_colour(label(i)) } else { NO_RETURN };
-        view.picture(scan.rows, scan.columns, colour)
+        frame.picture(|i| if scan.range_m[i] > 0.0 { label_colour(label(i)) } else { NO_RETURN })
     };
     let truth = labels(&|i| u32::from(sample.truth[i]));
-    let depth = view.picture(scan.rows, scan.columns, |i| match scan.range_m[i] {
+    let depth = frame.picture(|i| match scan.range_m[i] {
         0.0 => NO_RETURN,
         range_m => range_colour(range_m, near_m, far_m),
     });
-    let mut rows: Vec<Vec<(String, Picture)>> =
-        vec![vec![("ground truth".to_string(), truth), (range_title(near_m, far_m).to_lowercase(), depth)]];
+    let mut rows = vec![vec![("ground truth".to_string(), truth), (range_title(near_m, far_m).to_lowercase(), depth)]];
     for (method, by_noise) in results.methods.iter().zip(&sample.numbers) {
         let titled = by_noise.iter().zip(&results.noises_mm);
         rows.push(titled.map(|(n, mm)| (format!("{method}, {}", noise_name(*mm)), labels(&|i| n[i]))).collect());
     }
 
-    let panel = &rows[0][0].1;
-    let (width, height) = (panel.width() as f64, panel.height() as f64);
+    let (wide, high) = (frame.width as f64 + GAP, TITLE + frame.height as f64 + GAP);
     let across = rows.iter().map(Vec::len).max().unwrap_or(1) as f64;
-    let sheet = (GAP + across * (width + GAP), GAP + rows.len() as f64 * (TITLE + height + GAP));
     let title = "A simulated office, its depth, and the segments of each method";
-    let mut svg = Svg::new(sheet.0, sheet.1, title);
-    for (j, row) in rows.iter().enumerate() {
-        for (i, (title, picture)) in row.iter().enumerate() {
-            let (x, y) = (GAP + i as f64 * (width + GAP), GAP + j as f64 * (TITLE + height + GAP));
-            svg.text(x, y + TITLE - 7.0, "start", title);
-            svg.picture((x, y + TITLE), (width, height), &picture.to_png());
+    let mut whole = Drawing::new(GAP + across * wide, GAP + rows.len() as f64 * high, title);
+    let mut parts = vec![];
+    for (j, row) in rows.into_iter().enumerate() {
+        let mut drawings = vec![];
+        for (i, (title, picture)) in row.into_iter().enumerate() {
+            let mut part = Drawing::new(frame.width as f64, TITLE + frame.height as f64, &title);
+            titled(&mut part, (0.0, 0.0), &title, picture.clone());
+            drawings.push(part);
+            titled(&mut whole, (GAP + i as f64 * wide, GAP + j as f64 * high), &title, picture);
         }
+        parts.push(drawings);
     }
     let caption = format!(
         "A sample scene (number {}): ground truth, range, and the output of each method at each level of noise. Grey is \
          in no segment, pale blue returned nothing.",
         sample.scene
     );
-    Figure { name: "scene", caption, svg: svg.finish(), scale: 1.0 }
+    Figure { name: "scene", caption, whole, parts, legend: None, scale: 1.0 }
+}
+
+/// For the title above a picture.
+const TITLE: f64 = 20.0;
+
+fn titled(drawing: &mut Drawing, (x, y): (f64, f64), title: &str, picture: Picture) {
+    drawing.text((x, y + TITLE - 7.0), Anchor::Start, title);
+    drawing.picture((x, y + TITLE), picture);
+}
+
+/// Returns the figure of a chart.
+fn of_chart(name: &'static str, chart: &Chart) -> Figure {
+    let parts = chart.parts().iter().map(|row| row.iter().map(Chart::drawing).collect()).collect();
+    let legend = Some(chart.legend());
+    Figure { name, caption: chart.title.clone(), whole: chart.drawing(), parts, legend, scale: 2.0 }
 }
 
 /// Fig. 7.
@@ -125,36 +144,36 @@ fn over_tolerance(results: &Results, name: &'static str, caption: &str, classes:
         legend: results.methods.iter().map(|name| name.to_string()).collect(),
         dots: false,
     };
-    Figure { name, caption: caption.to_string(), svg: chart.svg(), scale: 2.0 }
+    of_chart(name, &chart)
 }
 
 /// Ours: the paper says O(n) and shows nothing.
 fn cost(results: &Results) -> Figure {
     let curve = |style| {
         let costs = results.costs.iter().filter(|cost| cost.method == style);
-        Curve { style, points: costs.map(|cost| (cost.points() as f64, cost.ns_per_point)).collect() }
+        Curve { style, points: costs.map(|cost| (cost.points() as f64, cost.instructions_per_point)).collect() }
     };
     let curves: Vec<_> = (0..results.methods.len()).map(curve).collect();
-    let most = results.costs.iter().map(|cost| cost.ns_per_point).fold(0.0, f64::max);
-    let caption = "Time per point over the number of points, one scene in several resolutions, on one core. Where a \
-         curve is level, the cost is linear in the number of points; where it falls, less.";
+    let most = results.costs.iter().map(|cost| cost.instructions_per_point).fold(0.0, f64::max);
+    let caption = "Processor instructions per point over the number of points, one scene in several resolutions. Where \
+         a curve is level, the cost is linear in the number of points; where it falls, less.";
     let chart = Chart {
         title: caption.to_string(),
         x: Axis {
             label: "points".to_string(),
             scale: Scale::Logarithmic,
-            span: (8e3, 2.5e6),
+            span: (8e3, 1.2e6),
             ticks: [(1e4, "10 000"), (1e5, "100 000"), (1e6, "1 million")]
                 .map(|(x, name)| (x, name.to_string()))
                 .into(),
         },
         columns: vec![String::new()],
-        rows: vec![Row { y: Axis::up_to("ns per point", most), panels: vec![curves] }],
+        rows: vec![Row { y: Axis::up_to("instructions per point", most), panels: vec![curves] }],
         panel: (480.0, 240.0),
         legend: results.methods.iter().map(|name| name.to_string()).collect(),
         dots: true,
     };
-    Figure { name: "cost", caption: caption.to_string(), svg: chart.svg(), scale: 2.0 }
+    of_chart("cost", &chart)
 }
 
 fn noise_name(noise_mm: u32) -> String {

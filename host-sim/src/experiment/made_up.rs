@@ -14,8 +14,8 @@ use crate::office::Set;
 
 /// Results over two scenes of 20 truth regions and levels of noise of 0 and 5 mm.
 /// `correct[method][noise]` are the correct detections in each scene at T below 0.6; every further
-/// 0.1 takes one. Over- and under-segmentation: one instance in scene 0. Cost: 10 ns for
-/// edge-based, 30 ns for region-based.
+/// 0.1 takes one. Over- and under-segmentation: one instance in scene 0. Cost: 10 instructions
+/// for edge-based, 30 for region-based.
 pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
     let mut runs = vec![];
     for (method, by_noise) in correct.iter().enumerate() {
@@ -35,7 +35,7 @@ pub fn made_up(correct: [[usize; 2]; 2]) -> Results {
         }
     }
     let costs = (0..2).flat_map(|method| {
-        let cost = move |n: usize| Cost { method, rows: n, columns: 100, ns_per_point: [10.0, 30.0][method] };
+        let cost = move |n: usize| Cost { method, rows: n, columns: 100, instructions_per_point: [10.0, 30.0][method] };
         [100, 1000, 10_000].map(cost)
     });
     let even = Angles::Even { start_deg: 0.0, step_deg: 1.0 };

@@ -30,21 +30,20 @@ pub struct Results {
 }
 
 impl Results {
-    /// Runs [`METHODS`] on the first `scenes` scenes of a set at [`NOISES_MM`], on all cores, then
-    /// takes the times on one. `step_done` is called [`Results::steps`] times, from several
-    /// threads.
+    /// Runs [`METHODS`] on the first `scenes` scenes of a set at [`NOISES_MM`], on all cores.
+    /// `step_done` is called [`Results::steps`] times, from several threads.
     pub fn of(set: Set, scenes: u32, step_done: impl Fn() + Sync) -> Results {
-        let runs = runs(set, scenes, &step_done);
+        let runs = runs(set, scenes, step_done);
         let sample = Sample::of(set);
         let rims = rim::rims(set, scenes, COMPARED_AT);
-        let costs = cost::costs(set, step_done);
+        let costs = cost::costs();
         let methods = METHODS.iter().map(|method| method.name).collect();
         Results { set, scenes, methods, noises_mm: NOISES_MM.to_vec(), runs, sample, rims, costs }
     }
 
     /// Returns how many steps an experiment has, for a progress bar.
     pub fn steps(scenes: u32) -> usize {
-        scenes as usize * NOISES_MM.len() + cost::STEPS
+        scenes as usize * NOISES_MM.len()
     }
 
     /// Index of a method by its name.

@@ -1,7 +1,7 @@
 //! The results as tables: for people (Markdown, HTML) and for programs (CSV).
 
-use crate::experiment::chart::escaped;
 use crate::experiment::counts::Counts;
+use crate::experiment::drawing::escaped;
 use crate::experiment::method::TOLERANCES;
 use crate::experiment::results::Results;
 use crate::experiment::runs::Run;
@@ -134,14 +134,14 @@ pub fn curves(results: &Results) -> Table {
     Table::new(&head, 3, lines.into_iter())
 }
 
-/// Returns the times.
+/// Returns the costs.
 pub fn costs(results: &Results) -> Table {
     let lines = results.costs.iter().map(|cost| {
         let size = [cost.rows, cost.columns, cost.points()].map(|n| n.to_string());
         let name = results.methods[cost.method].to_string();
-        [&[name][..], &size, &[format!("{:.1}", cost.ns_per_point)]].concat()
+        [&[name][..], &size, &[format!("{:.1}", cost.instructions_per_point)]].concat()
     });
-    Table::new(&["method", "rows", "columns", "points", "ns per point"], 1, lines)
+    Table::new(&["method", "rows", "columns", "points", "instructions per point"], 1, lines)
 }
 
 fn tolerance(percent: u32) -> String {

@@ -2,6 +2,16 @@
 
 use scanseg_core::{AnyConfig, Approach, Area, Beams, Memory, Sizes, live_labels};
 
+/// Returns the size of a table of live areas that has room for any image of so many columns.
+#[must_use]
+pub fn enough_labels(approach: Approach, columns: usize) -> usize {
+    match approach {
+        // one for each pixel of two rows
+        Approach::Plane => 2 * columns,
+        Approach::Edge | Approach::Region => live_labels(columns),
+    }
+}
+
 /// The slices that a segmenter works in.
 #[derive(Clone, Debug)]
 pub struct OwnedMemory {
@@ -16,11 +26,7 @@ impl OwnedMemory {
     /// areas; without it there is room for any image.
     pub fn new<'a>(config: impl Into<AnyConfig<'a>>, columns: usize, max_labels: Option<usize>) -> OwnedMemory {
         let config = config.into();
-        let enough = match config.approach() {
-            // one for each pixel of two rows
-            Approach::Plane => 2 * columns,
-            Approach::Edge | Approach::Region => live_labels(columns),
-        };
+        let enough = enough_labels(config.approach(), columns);
         let areas = max_labels.unwrap_or(enough).min(enough);
         OwnedMemory::of(Sizes { areas, ..config.sizes_for(&Beams::Free { wraps: false }, columns) })
     }

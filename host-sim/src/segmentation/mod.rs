@@ -9,12 +9,14 @@ mod found;
 mod memory;
 mod noise;
 mod ranging;
+mod recorder;
 mod whole;
 
 pub use beams::ScanBeams;
 pub use bearing::bearing_image;
 pub use error::{SegmentationError, check_size};
-pub use memory::OwnedMemory;
+pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
 pub use ranging::ranging;
+pub use recorder::{RecordedScan, Recorder};
 pub use whole::Segmentation;

@@ -139,6 +139,14 @@ impl Session {
         })
     }
 
+    /// Pushes a row whose beams lie beside where its turn alone says.
+    pub fn push_beams(&mut self, ranges_m: &[f32], beams: &RowBeams) -> Status {
+        // SAFETY: the segmenter of this session, and arrays of these sizes.
+        self.call(1, |segmenter, out| unsafe {
+            scanseg_push_row_beams(segmenter, ranges_m.as_ptr(), ranges_m.len(), beams, out)
+        })
+    }
+
     /// Ends the scan.
     pub fn finish(&mut self) -> Status {
         // SAFETY: as above.

@@ -1,8 +1,7 @@
 //! What goes wrong on a virtual rig, and when.
 
-use std::ops::Range;
-
 use scanseg_core::Segmenter;
+use scanseg_hal::lms2xx::Phase;
 use scanseg_virtual_rig::{Chain, EncoderFault, WireFaults};
 
 /// How long an encoder sticks.
@@ -26,8 +25,10 @@ pub struct Faults {
     pub wires: WireFaults,
     /// When the scanner's power fails.
     resets_us: Vec<u64>,
-    /// When the encoder sticks.
-    stuck_us: Vec<Range<u64>>,
+    /// When the encoder sticks, at the earliest.
+    sticks_us: Vec<u64>,
+    /// Until when it sticks now.
+    stuck_until_us: Option<u64>,
 }
 
 impl Faults {
@@ -39,21 +40,35 @@ impl Faults {
                 Fault::Flip(one_in) => all.wires.flip_one_in = one_in,
                 Fault::Insert(one_in) => all.wires.insert_one_in = one_in,
                 Fault::Reset(at_us) => all.resets_us.push(at_us),
-                Fault::Stuck(at_us) => all.stuck_us.push(at_us..at_us + STUCK_US),
+                Fault::Stuck(at_us) => all.sticks_us.push(at_us),
             }
         }
         all
     }
 
-    /// Does to the chain what is due by now.
+    /// Does to the chain what is due by now. An encoder that sticks while no row comes would not
+    /// show, so that it waits for the scanner to run.
     pub fn strike(&mut self, chain: &mut Chain<'_, impl Segmenter>) {
         let now_us = chain.now_us();
         while let Some(at) = self.resets_us.iter().position(|&at_us| at_us <= now_us) {
             self.resets_us.swap_remove(at);
             chain.lms.power_cycle(now_us);
         }
-        let stuck = self.stuck_us.iter().any(|times| times.contains(&now_us));
+        self.stuck_until_us = self.stuck_until_us.filter(|&until_us| now_us < until_us);
+        if self.stuck_until_us.is_none()
+            && chain.phase() == Phase::Running
+            && let Some(at) = self.sticks_us.iter().position(|&at_us| at_us <= now_us)
+        {
+            self.sticks_us.swap_remove(at);
+            self.stuck_until_us = Some(now_us + STUCK_US);
+        }
+        let stuck = self.stuck_until_us.is_some();
         chain.encoder_fault = if stuck { EncoderFault::Stuck } else { EncoderFault::None };
+    }
+
+    /// Returns whether all has gone wrong that should, at its time.
+    pub fn are_over(&self) -> bool {
+        self.resets_us.is_empty() && self.sticks_us.is_empty() && self.stuck_until_us.is_none()
     }
 }
 
@@ -66,9 +81,9 @@ pub fn parse_fault(text: &str) -> Result<Fault, String> {
         rates if rates.contains(&value) => Ok((1.0 / value).round() as u32),
         _ => Err(format!("a rate of {value} is not within 1e-9 and 0.5")),
     };
-    let at_us = match 0.0..=1e6 {
+    let at_us = match 0.0..=600.0 {
         times if times.contains(&value) => Ok((1e6 * value) as u64),
-        _ => Err(format!("a time of {value} s is not within 0 and 1e6")),
+        _ => Err(format!("a time of {value} s is not within 0 and 600")),
     };
     Ok(match name {
         "loss" => Fault::Loss(one_in?),

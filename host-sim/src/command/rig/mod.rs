@@ -18,16 +18,17 @@ use scanseg_formats::{Geometry, Kind, write_atomic};
 use scanseg_hal::link::Message;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Phase, Settings, Unit, Variant};
 use scanseg_hal::rig::{Rig, RigSink, TiltLimits};
-use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError};
+use scanseg_sim::segmentation::{OwnedMemory, ScanBeams, SegmentationError, enough_labels};
 use scanseg_virtual_rig::{Arrival, Chain, Motion, scanner_on_tilt};
 
 use crate::command::input::Input;
 use crate::command::messages::{Host, LinkOptions, counters_line};
 use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print};
+use crate::command::output::{Failure, print, warn};
 use crate::command::rig::faults::{Fault, Faults, parse_fault};
 use crate::command::rig::live::Live;
 use crate::command::rig::surroundings::{Ranges, office, recorded};
+use crate::command::warnings;
 
 /// Run a virtual scanner on a virtual tilt, its wires, drivers, segmenter and link
 ///
@@ -42,15 +43,16 @@ pub struct Arguments {
     /// Instead of an office, a range image of a nodding scanner
     #[arg(long, value_name = "FILE", requires = "geometry")]
     scan: Option<PathBuf>,
-    /// Its geometry file (TOML)
+    /// Its geometry file, see docs/scan-format.md
     #[arg(long, value_name = "FILE", requires = "scan")]
     geometry: Option<PathBuf>,
-    /// Stop after so many scans; the first begins anywhere in the sweep
+    /// Stop after so many scans, but not before all of --faults has struck; the first begins
+    /// anywhere in the sweep
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
     scans: u32,
     /// What goes wrong: loss=RATE, flip=RATE, insert=RATE of the bytes on the scanner's wires;
     /// reset=SECONDS, when the scanner's power fails; stuck=SECONDS, when its encoder sticks, for a
-    /// second
+    /// second (or, while no row comes, as soon as rows come again); up to 600 s
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_fault)]
     faults: Vec<Fault>,
     /// Write what came from scanner and encoder, for scanseg replay
@@ -92,6 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         AnySegmenter::new(config, beams.beams(), COLUMNS, memory.memory()).map_err(|e| refused(e.into()))?;
     let mut rows_m = [0.0; 2 * COLUMNS];
     let rig = Rig::new(SETTINGS, LIMITS, segmenter, &mut rows_m)?;
+    let stated = arguments.options.states_noise(&geometry);
+    warnings::no_noise("rig", &config, stated).iter().for_each(|warning| warn(warning));
     let faults = Faults::new(&arguments.faults);
     let motion: Motion = Rc::new(nod);
     let mut lms = scanner_on_tilt(SETTINGS, &motion, range_m).running(SETTINGS.baud, SETTINGS.variant);
@@ -105,13 +109,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scans = arguments.scans as usize;
     let save = arguments.save.is_some().then_some(&mut saved);
     let run = run_scans(scans, &mut chain, faults, &mut live, &mut screen, save);
-    let told = run.and_then(|over| {
-        if over < scans {
+    let told = run.and_then(|complete| {
+        if !complete {
             live.sink.send(&Message::Status(chain.rig.counters()));
-            print(&format!("{}\n", host.borrow().lines[screen.shown..].join("\n")))?;
+            print(&format!("{}\n", host.borrow().lines.join("\n")))?;
         }
         Ok(())
     });
+    let (enough, unlabelled) = (enough_labels(config.approach(), COLUMNS), host.borrow().unlabelled);
+    let full = warnings::unlabelled_pixels("rig", unlabelled, enough, arguments.options.max_labels());
+    full.iter().for_each(|warning| warn(warning));
     // what has come until a reader went is kept
     if let Some(path) = &arguments.save {
         write_atomic(path, saved.to_text().as_bytes())?;
@@ -138,27 +145,31 @@ fn surroundings(arguments: &Arguments) -> Result<(Geometry, Ranges), Failure> {
     Ok((geometry, recorded(input)?))
 }
 
-/// Runs the chain until so many scans are over, or none will come any more. Returns how many are
-/// over.
+/// Runs the chain until so many scans are over, and a scan after the last fault, or until none will
+/// come any more. Returns whether they are over.
 fn run_scans<S: Segmenter, R: RigSink>(
-    scans: usize,
+    mut scans: usize,
     chain: &mut Chain<'_, S>,
     mut faults: Faults,
     live: &mut Live<R>,
     screen: &mut Screen<'_>,
     mut save: Option<&mut Capture>,
-) -> Result<usize, Failure> {
+) -> Result<bool, Failure> {
     loop {
         faults.strike(chain);
         let came = chain.step(live);
         if let Some(capture) = &mut save {
             keep(capture, came, chain.phase());
         }
-        let over = screen.print_lines(scans)?;
+        if !faults.are_over() {
+            scans = scans.max(screen.scans_over() + 1);
+        }
+        screen.print_lines(scans)?;
         screen.draw(&live.row, chain);
-        if over >= scans || chain.now_us() > PATIENCE_US * scans as u64 {
+        let complete = screen.scans_over() >= scans;
+        if complete || chain.now_us() > PATIENCE_US * scans as u64 {
             screen.bar.finish_and_clear();
-            return Ok(over);
+            return Ok(complete);
         }
     }
 }
@@ -167,8 +178,6 @@ fn run_scans<S: Segmenter, R: RigSink>(
 /// someone to look.
 struct Screen<'a> {
     host: &'a RefCell<Host>,
-    /// Lines printed so far.
-    shown: usize,
     bar: ProgressBar,
     started: Instant,
 }
@@ -176,19 +185,22 @@ struct Screen<'a> {
 impl<'a> Screen<'a> {
     fn new(host: &'a RefCell<Host>) -> Result<Screen<'a>, Failure> {
         let style = ProgressStyle::with_template("{spinner} {prefix}\n{wide_msg}")?;
-        Ok(Screen { host, shown: 0, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
+        Ok(Screen { host, bar: ProgressBar::new_spinner().with_style(style), started: Instant::now() })
     }
 
-    /// Prints what is new, up to the end of the last of so many scans. Returns how many of them are
-    /// over.
-    fn print_lines(&mut self, scans: usize) -> Result<usize, Failure> {
-        let host = self.host.borrow();
-        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(host.lines.len());
-        for line in &host.lines[self.shown..end] {
+    /// Returns how many scans are over.
+    fn scans_over(&self) -> usize {
+        self.host.borrow().scan_ends.len()
+    }
+
+    /// Prints what is new, up to the end of the last of so many scans.
+    fn print_lines(&mut self, scans: usize) -> Result<(), Failure> {
+        let mut host = self.host.borrow_mut();
+        let end = host.scan_ends.get(scans - 1).copied().unwrap_or(usize::MAX);
+        for line in host.take_lines(end) {
             self.bar.suspend(|| print(&format!("{line}\n")))?;
         }
-        self.shown = end;
-        Ok(host.scan_ends.len().min(scans))
+        Ok(())
     }
 
     /// Draws the last row, in real time. Does nothing where nobody looks.

@@ -1,0 +1,102 @@
+//! Segments in colour with their labels, alone and over the ranges.
+
+use scanseg_formats::RangeImage;
+
+use crate::overview::legend::{Line, legend};
+use crate::overview::numbers::places;
+use crate::overview::ranges::{NO_RETURN, usual_ranges_m};
+use crate::overview::view::{Frame, View};
+use crate::picture::{Anchor, BLACK, Picture, Rgb, TextStyle, WHITE, label_colour, mixed};
+
+/// Both sides of a picture of segments are within this, pixels.
+const LIMIT: usize = 2100;
+
+/// A segmented scan; every image has its pixels, row by row in scan order.
+#[derive(Clone, Copy, Debug)]
+pub struct Segments<'a> {
+    /// The scan.
+    pub scan: &'a RangeImage,
+    /// How it is turned.
+    pub view: View,
+    /// Label of the listed segment that each pixel is in; 0 for none.
+    pub labels: &'a [u32],
+    /// Pixels with a return that are in no segment because they are edges, if there are such.
+    pub edges: Option<&'a [bool]>,
+}
+
+/// Returns the segments in colour, their labels where there is room for them, and a legend below.
+/// Edges are black, other returns in no listed segment dark grey.
+pub fn segments(segments: &Segments<'_>, lines: &[Line]) -> Picture {
+    with_legend(segments.coloured(segments.frame(LIMIT)), lines)
+}
+
+/// Returns the segments in colour over the ranges in grey, near ones bright; labels and legend as
+/// in [`segments`].
+pub fn overlay(segments: &Segments<'_>, lines: &[Line]) -> Picture {
+    with_legend(segments.over_ranges(segments.frame(LIMIT)), lines)
+}
+
+fn with_legend(picture: Picture, lines: &[Line]) -> Picture {
+    let legend = legend(picture.width(), lines);
+    let mut whole = Picture::new(picture.width().max(legend.width()), picture.height() + legend.height(), WHITE);
+    whole.blit(0, 0, &picture);
+    whole.blit(0, picture.height(), &legend);
+    whole
+}
+
+impl Segments<'_> {
+    /// Returns a frame for pictures with both sides within `limit`.
+    pub(super) fn frame(&self, limit: usize) -> Frame {
+        Frame::of(self.view, self.scan.rows, self.scan.columns).within(limit)
+    }
+
+    /// The segments in colour, with borders and labels.
+    pub(super) fn coloured(&self, frame: Frame) -> Picture {
+        let colour = |i: usize| match self.labels[i] {
+            _ if self.edges.is_some_and(|edges| edges[i]) => BLACK,
+            _ if self.scan.range_m[i] == 0.0 => NO_RETURN,
+            label => label_colour(label),
+        };
+        self.marked(frame, frame.picture(colour))
+    }
+
+    /// The segments in colour over the ranges in grey, with borders and labels.
+    pub(super) fn over_ranges(&self, frame: Frame) -> Picture {
+        let (near_m, far_m) = usual_ranges_m(self.scan);
+        let grey = |range_m: f32| -> Rgb {
+            let far = ((range_m - near_m) / (far_m - near_m)).clamp(0.0, 1.0);
+            [(235.0 - 185.0 * if far.is_nan() { 0.0 } else { far }) as u8; 3]
+        };
+        let colour = |i: usize| match (self.scan.range_m[i], self.labels[i]) {
+            (0.0, _) => BLACK,
+            (range_m, 0) => grey(range_m),
+            (range_m, label) => mixed(grey(range_m), label_colour(label), 0.55),
+        };
+        self.marked(frame, frame.picture(colour))
+    }
+
+    /// Draws the borders of the segments and their labels.
+    fn marked(&self, frame: Frame, mut picture: Picture) -> Picture {
+        let (width, height) = (frame.width, frame.height);
+        let shown: Vec<u32> = (0..width * height).map(|i| self.labels[frame.pixel(i % width, i / width)]).collect();
+        for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
+            let label = shown[y * width + x];
+            let other = |x: usize, y: usize| if x < width && y < height { shown[y * width + x] } else { 0 };
+            let is_border = |other: u32| other != 0 && other != label;
+            if label != 0 && (is_border(other(x + 1, y)) || is_border(other(x, y + 1))) {
+                picture.put(x, y, BLACK);
+            }
+        }
+        for (label, place) in places(&shown, width) {
+            let text = label.to_string();
+            let size = (1.1 * place.room).min(30.0);
+            // as high as the room, and no wider
+            let size = size.min(3.0 * place.room / text.len() as f32);
+            if size >= 13.0 {
+                let style = TextStyle { anchor: Anchor::Middle, halo: Some(WHITE), ..TextStyle::new(size, BLACK) };
+                picture.text((place.x as f32 + 0.5, place.y as f32 + 0.36 * size), style, &text);
+            }
+        }
+        picture
+    }
+}
