@@ -115,8 +115,8 @@ fn write_scan(
     let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
     let name = format!("{}, scan {number}", arguments.capture.display());
     let config = arguments.options.config(&geometry)?;
-    let input = Input { name, geometry, ranges, counts };
-    let lists = ListOptions { min_pixels: arguments.link.min_pixels };
+    let input = Input { name, geometry, ranges, counts, remarks: vec![] };
+    let lists = ListOptions::usual(arguments.link.min_pixels);
     let (files, _) = segment(&input, config, &arguments.options, &lists)?;
     let folder = out.join(format!("scan-{number}"));
     write(&folder, &files)?;
