@@ -29,6 +29,9 @@ cargo test --quiet --release -p m0-float
 
 images=$(mktemp -d)
 trap 'rm -rf "$images"' EXIT
+mkdir "$images/tape"
+cargo run --quiet -p firmware-check -- --tape "$images/tape"
+export SCANSEG_TAPE=$images/tape
 image() { # name target features file
     "${build[@]}" --quiet --release --bin "$1" --target "$2" --features "$3"
     cp "$CARGO_TARGET_DIR/$2/release/$1" "$images/$4"

@@ -27,7 +27,7 @@ fuzz_target!(|data: &[u8]| {
             let (Some(geometry), raw) = first_text(data) else { return };
             let Ok(geometry) = Geometry::parse(geometry) else { return };
             for range_bits in 12..=17 {
-                let Ok(capture) = Capture::of_telegrams(raw, &geometry, range_bits) else { continue };
+                let Ok((capture, _)) = Capture::of_telegrams(raw, &geometry, range_bits) else { continue };
                 let written = capture.to_text();
                 assert_eq!(Capture::parse(&written).map(|capture| capture.to_text()), Ok(written));
             }

@@ -75,6 +75,7 @@ fn segment(u: &mut Unstructured) -> Result<SegmentReport> {
 fn counters(u: &mut Unstructured) -> Result<Counters> {
     let [telegrams, rejected, lost, rows, no_turn, standing, jump, alone]: [u32; 8] = u.arbitrary()?;
     let [status, columns, stopped, refused, encoder_errors, troubles, scans, segments]: [u32; 8] = u.arbitrary()?;
+    let [overruns, queue_full]: [u32; 2] = u.arbitrary()?;
     Ok(Counters {
         bytes: u.arbitrary()?,
         telegrams,
@@ -93,6 +94,8 @@ fn counters(u: &mut Unstructured) -> Result<Counters> {
         troubles,
         scans,
         segments,
+        overruns,
+        queue_full,
     })
 }
 

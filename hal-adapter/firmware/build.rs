@@ -11,8 +11,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rustc-cfg=machine=\"{machine}\"");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     fs::copy(format!("{machine}.x"), out.join("memory.x"))?;
-    // no handlers of interrupts
+    // the images have the handlers of their interrupts in place
     fs::write(out.join("device.x"), "")?;
+    if machine == "mps2" && env::var_os("CARGO_FEATURE_FIGURES").is_some() {
+        // what scanner and encoder say, from `firmware-check`; without it they are silent
+        println!("cargo:rerun-if-env-changed=SCANSEG_TAPE");
+        for name in ["stream.bin", "answers.bin"] {
+            let bytes = match env::var_os("SCANSEG_TAPE") {
+                Some(tape) => fs::read(PathBuf::from(tape).join(name))?,
+                None => vec![],
+            };
+            fs::write(out.join(name), bytes)?;
+        }
+    }
     println!("cargo:rerun-if-changed={machine}.x");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

@@ -144,7 +144,8 @@ impl Pairing {
             _ => {}
         }
         if self.count == KEPT {
-            self.samples.rotate_left(1);
+            let [_, second, third, fourth, fifth, last] = self.samples;
+            self.samples = [second, third, fourth, fifth, last, last];
             self.count -= 1;
         }
         if let Some(free) = self.samples.get_mut(self.count) {

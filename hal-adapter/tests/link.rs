@@ -44,6 +44,8 @@ const FULL: Counters = Counters {
     troubles: u32::MAX,
     scans: u32::MAX,
     segments: u32::MAX,
+    overruns: u32::MAX,
+    queue_full: u32::MAX,
 };
 
 fn segment(bits: u32) -> Message {
@@ -135,6 +137,8 @@ fn bytes_of_every_message() {
         troubles: 13,
         scans: 14,
         segments: 15,
+        overruns: 16,
+        queue_full: 17,
     };
     let small = SegmentReport {
         label: 7,
@@ -183,11 +187,11 @@ fn bytes_of_every_message() {
         (Message::Join { from: 300, into: 7 }, "00 0A 7C 03 AC 02 07 18 06 85 94 00"),
         (
             Message::ScanFinished(ScanFinished { number: 12, end: End::Pause, rows: 200, unlabelled: 129, counters }),
-            "00 21 7D 04 0C 02 C8 01 81 01 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 73 0A 60 C8 00",
+            "00 23 7D 04 0C 02 C8 01 81 01 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 10 11 17 2B 6C 85 00",
         ),
         (
             Message::Status(counters),
-            "00 1B 7E 05 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 75 91 42 6C 00",
+            "00 1D 7E 05 E0 A7 12 E8 07 01 02 03 04 05 06 07 08 09 0A 0B 0C 0D 0E 0F 10 11 7F 62 EB B4 00",
         ),
         (Message::Trouble(Trouble::NotFound), "00 03 7F 06 05 F9 51 B6 F6 00"),
         (Message::Trouble(Trouble::NoAnswer { command: 0x20 }), "00 0A 80 01 06 01 20 D1 4D 80 E9 00"),

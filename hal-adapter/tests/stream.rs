@@ -47,7 +47,7 @@ fn telegram() -> impl Strategy<Value = Vec<u8>> {
     });
     let other =
         (0x80u8..=0xFF, prop::collection::vec(any::<u8>(), 0..160), status()).prop_map(|(code, data, status)| {
-            let code = if matches!(code, 0xB0 | 0xB7) { 0xA0 } else { code };
+            let code = if matches!(code, 0xB0 | 0xB6 | 0xB7) { 0xA0 } else { code };
             frame(&[&[code][..], &data, &[status]].concat())
         });
     prop_oneof![3 => scan, 1 => sub_range, 2 => other]

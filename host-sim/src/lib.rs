@@ -6,6 +6,7 @@
 //! scanner is `scanseg_virtual_rig`.
 
 pub mod experiment;
+pub mod export;
 pub mod hoover;
 pub mod office;
 pub mod overview;

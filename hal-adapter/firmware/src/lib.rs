@@ -12,7 +12,12 @@
 
 pub mod approach;
 pub mod figures;
+#[cfg(target_os = "none")]
+pub mod interrupt;
 pub mod mux;
+#[cfg(all(machine = "mps2", feature = "figures"))]
+pub mod paced;
+pub mod receive;
 #[cfg(target_os = "none")]
 mod register;
 pub mod run;

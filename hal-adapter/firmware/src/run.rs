@@ -36,8 +36,8 @@ pub const ROW_RAD: f32 = 0.516_889 * core::f32::consts::PI / 180.0;
 /// instructions.
 pub const MIN_PIXELS: u32 = 20;
 
-/// Bytes of the scanner that are taken together, as a FIFO or DMA would give them: 0.64 ms at 500
-/// 000 Bd.
+/// Bytes of the scanner that are taken together: 0.64 ms at 500 000 Bd. The last of a telegram are
+/// fewer, so that it does not wait for the next one.
 pub const PIECE: usize = 32;
 
 /// A piece that asks for the figures; no scanner sends it.
@@ -77,16 +77,19 @@ impl LineClock {
         Self { period_us, byte_us, telegram_bytes, telegram_us: 0, byte: 0 }
     }
 
-    /// More bytes have come, at most a telegram. Returns whether a telegram's time began among
-    /// them.
-    pub fn received(&mut self, bytes: u32) -> bool {
+    /// More bytes have come, at most a telegram.
+    pub fn received(&mut self, bytes: u32) {
         self.byte += bytes;
-        let next = self.byte >= self.telegram_bytes;
-        if next {
+        if self.byte >= self.telegram_bytes {
             self.byte -= self.telegram_bytes;
             self.telegram_us += u64::from(self.period_us);
         }
-        next
+    }
+
+    /// Bytes of the telegram under way that have come, and those that have not.
+    #[must_use]
+    pub fn telegram(&self) -> (u32, u32) {
+        (self.byte, self.telegram_bytes - self.byte)
     }
 
     /// When the last byte came, microseconds.
@@ -108,13 +111,15 @@ pub struct Ports<R, D, W> {
     pub link: W,
 }
 
-/// Runs until the scanner's port ends, which on a board is never. `ask` is called where
+/// Runs until the scanner's port ends, which on a board is never. `lost` returns the bytes that the
+/// port has lost by late interrupts and by a full queue. `ask` is called where
 /// [`ASK_FOR_FIGURES`] comes.
 pub fn run<R: Read, W: Write>(
     ports: Ports<R, impl SpiDevice, W>,
     settings: &Settings,
     session: &mut Session,
     rig: &mut Rig<'_, Timed<impl Segmenter>>,
+    lost: impl Fn() -> (u32, u32),
     mut ask: impl FnMut(),
 ) -> ReadExactError<R::Error> {
     let Ports { mut scanner, encoder, mut link } = ports;
@@ -127,15 +132,20 @@ pub fn run<R: Read, W: Write>(
     let mut scans = 0;
     let mut piece = [0; PIECE];
     loop {
-        if let Err(end) = scanner.read_exact(&mut piece) {
+        let (come, to_come) = clock.telegram();
+        let piece = piece.get_mut(..PIECE.min(to_come as usize)).unwrap_or(&mut []);
+        if let Err(end) = scanner.read_exact(piece) {
             return end;
         }
-        if clock.received(PIECE as u32) {
+        clock.received(piece.len() as u32);
+        if come == 0 {
             rig.tilt(tilt.read(&mut || clock.now_us()).ok());
         }
-        rig.receive(session, &piece, clock.now_us(), &mut reporter);
+        let (overruns, queue_full) = lost();
+        rig.port_lost(overruns, queue_full);
+        rig.receive(session, piece, clock.now_us(), &mut reporter);
         rig.idle(clock.now_us(), &mut reporter);
-        if piece == ASK_FOR_FIGURES {
+        if *piece == ASK_FOR_FIGURES {
             ask();
         }
         #[cfg(feature = "defmt")]

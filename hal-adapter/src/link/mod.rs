@@ -45,7 +45,7 @@
 //!
 //! - **counters** ([`Counters`](crate::rig::Counters)), all `num`: bytes, telegrams, rejected,
 //!   lost, rows, no_turn, standing, jump, alone, status, columns, stopped, refused, encoder_errors,
-//!   troubles, scans, segments. The first goes to 2^64 - 1, the others to 2^32 - 1.
+//!   troubles, scans, segments, overruns, queue_full. The first goes to 2^64 - 1, the others to 2^32 - 1.
 //! - **end** ([`End`](crate::rig::End)): 0 turned, 1 covered, 2 pause, 3 trouble, 4 asked.
 //! - **trouble** ([`Trouble`](crate::lms2xx::Trouble)): 0 not found; 1 no answer: command `u8`; 2
 //!   not acknowledged: command `u8`; 3 refused: command `u8`, reason `u8`; 4 configuration: length

@@ -108,10 +108,13 @@ impl Frame<'_> {
             troubles,
             scans,
             segments,
+            overruns,
+            queue_full,
         } = *counters;
         self.number(bytes)?;
         self.numbers(&[telegrams, rejected, lost, rows, no_turn, standing, jump, alone])?;
-        self.numbers(&[status, columns, stopped, refused, encoder_errors, troubles, scans, segments])
+        self.numbers(&[status, columns, stopped, refused, encoder_errors, troubles, scans, segments])?;
+        self.numbers(&[overruns, queue_full])
     }
 
     fn trouble(&mut self, trouble: Trouble) -> Result<(), FrameTooLong> {

@@ -36,7 +36,7 @@ mod trouble;
 pub use action::{Action, Phase, SessionEvent};
 pub use format::{MeasuringMode, ScanLineFormat, Unit, Variant};
 pub use rows::Rows;
-pub use scan_line::{Beam, Reading, SCAN_LINE, SUB_RANGE, ScanLine, ScanLineError};
+pub use scan_line::{Beam, MEANS, Reading, SCAN_LINE, SUB_RANGE, ScanLine, ScanLineError};
 pub use session::Session;
 pub use settings::{Baud, Settings};
 pub(crate) use shell::feed;

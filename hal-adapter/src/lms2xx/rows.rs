@@ -51,7 +51,8 @@ impl<'a> Rows<'a> {
 
     /// Counts the telegrams lost since the last valid one, by the time.
     fn count_lost(&mut self) {
-        let period_us = u64::from(self.session.settings().period_us()).max(1);
+        let scans = self.session.scan_line().map_or(1, |line| line.scans().max(1));
+        let period_us = u64::from(self.session.settings().period_us()).max(1) * u64::from(scans);
         let Some(start_us) = self.start_us else { return };
         if let Some(last_us) = self.last_start_us.replace(start_us) {
             let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;

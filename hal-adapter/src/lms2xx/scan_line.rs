@@ -1,7 +1,9 @@
-//! Scan lines: the measured values of a telegram 0xB0 (whole field of view) or 0xB7 (a part of it).
+//! Scan lines: the measured values of a telegram 0xB0 (whole field of view), 0xB7 (a part of it) or
+//! 0xB6 (means over several scans).
 //!
 //! ```text
 //! B0 | count word | values, 2 bytes each | 0 to 2 index bytes | STATUS
+//! B6 | number of scans | count word | values | ...
 //! B7 | first | last | count word | values | ...
 //! count word: bits 0-9 number of values, 11-12 offset of a partial scan in 0.25 deg, 13 partial, 14-15 unit
 //! ```
@@ -13,6 +15,8 @@ use super::status::ScannerStatus;
 pub const SCAN_LINE: u8 = 0xB0;
 /// Code of a telegram with a sub-range of a scan line.
 pub const SUB_RANGE: u8 = 0xB7;
+/// Code of a telegram with a scan line of means over several scans.
+pub const MEANS: u8 = 0xB6;
 
 /// A contradiction among the fields of a scan telegram, or with the [`ScanLineFormat`] expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +76,8 @@ impl core::error::Error for ScanLineError {}
 #[derive(Clone, Copy, Debug)]
 pub struct ScanLine<'a> {
     count_word: CountWord,
+    scans: u8,
+    sub_range: bool,
     first_column: u16,
     values: &'a [u8],
     index_bytes: &'a [u8],
@@ -107,6 +113,7 @@ impl<'a> ScanLine<'a> {
         match code {
             SCAN_LINE => Some(3),
             SUB_RANGE => Some(7),
+            MEANS => Some(4),
             _ => None,
         }
     }
@@ -162,7 +169,9 @@ impl<'a> ScanLine<'a> {
         let (values, rest) = rest.split_at_checked(2 * usize::from(count_word.count()))?;
         let (&status, index_bytes) = rest.split_last()?;
         let first_column = sub_range(head).map_or(0, |(first, _)| first.saturating_sub(1));
-        Some(Self { count_word, first_column, values, index_bytes, status: ScannerStatus(status) })
+        let sub_range = payload.first() == Some(&SUB_RANGE);
+        let scans = if let [MEANS, scans, ..] = head { *scans } else { 1 };
+        Some(Self { count_word, scans, sub_range, first_column, values, index_bytes, status: ScannerStatus(status) })
     }
 
     /// Returns the number of values, 1 to 401.
@@ -175,6 +184,12 @@ impl<'a> ScanLine<'a> {
     #[must_use]
     pub fn first_column(&self) -> u16 {
         self.first_column
+    }
+
+    /// Returns the number of scans of which the values are means: 1 but in a telegram 0xB6.
+    #[must_use]
+    pub fn scans(&self) -> u8 {
+        self.scans
     }
 
     /// Returns the unit of the values.
@@ -213,14 +228,38 @@ impl<'a> ScanLine<'a> {
     /// Writes the ranges from right to left, metres, 0 where there was no return. Writes as many as
     /// there are values, or as `to_m` is long.
     pub fn ranges_m(&self, mode: MeasuringMode, to_m: &mut [f32]) {
-        let unit_mm = self.unit().mm();
-        for (to_m, word) in to_m.iter_mut().zip(self.words()) {
-            let range_mm = match Beam::new(word, mode).reading {
-                Reading::Range(counts) => u32::from(counts) * unit_mm,
-                _ => 0,
-            };
-            *to_m = range_mm as f32 / 1000.0;
-        }
+        to_m.iter_mut().zip(self.words()).for_each(|(to_m, word)| *to_m = self.range_m(word, mode));
+    }
+
+    /// Returns whether a scanner that is set to `variant` sends such a scan line, complete, partial or
+    /// a sub-range.
+    #[must_use]
+    pub fn fits(&self, variant: Variant) -> bool {
+        let columns = match self.partial_quarter() {
+            Some(quarter) => variant.partial_columns(quarter).unwrap_or(0),
+            None => variant.columns(),
+        };
+        let end = self.first_column + self.columns();
+        if self.sub_range { end <= columns } else { end == columns }
+    }
+
+    /// Writes the ranges into a row of all columns of a scanner that is set to `variant`, metres:
+    /// each into its own column, and 0 elsewhere. Of a partial scan line every second or fourth
+    /// column has a range, of a sub-range those of its own.
+    pub fn row_m(&self, mode: MeasuringMode, variant: Variant, row_m: &mut [f32]) {
+        let (first, step) = match self.partial_quarter() {
+            Some(quarter) => (u16::from(quarter) * variant.mirror_turns() / 4, variant.mirror_turns()),
+            None => (self.first_column, 1),
+        };
+        row_m.iter_mut().for_each(|range_m| *range_m = 0.0);
+        let columns = row_m.iter_mut().skip(first.into()).step_by(step.into());
+        columns.zip(self.words()).for_each(|(to_m, word)| *to_m = self.range_m(word, mode));
+    }
+
+    /// Returns the range that a value is, metres; 0 if it is none.
+    fn range_m(&self, word: u16, mode: MeasuringMode) -> f32 {
+        let range_mm = Beam::new(word, mode).range_mm(self.unit()).unwrap_or(0);
+        range_mm as f32 / 1000.0
     }
 
     /// Returns the values from right to left, split into range and flags by the measuring mode.

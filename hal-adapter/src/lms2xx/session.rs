@@ -3,7 +3,7 @@
 
 use super::action::{Action, Phase, SessionEvent};
 use super::command::{Answer, Command, Configuration, POWER_ON, RESET_ANSWER};
-use super::scan_line::{SCAN_LINE, ScanLine};
+use super::scan_line::{MEANS, SCAN_LINE, SUB_RANGE, ScanLine};
 use super::settings::{Baud, Settings};
 use super::step::Step;
 use super::telegram::{Event, MAX_TELEGRAM, Telegram, TelegramDecoder, TelegramError};
@@ -80,8 +80,7 @@ impl Session {
     }
 
     /// Returns a session that sends nothing: for a scanner that has been set up and started
-    /// already, or for recorded bytes. It is always [`Phase::Running`]. Sub-ranges of scan lines
-    /// (0xB7) are ignored.
+    /// already, or for recorded bytes. It is always [`Phase::Running`].
     #[must_use]
     pub const fn listening(settings: Settings) -> Self {
         let mut session = Self::new(settings);
@@ -182,11 +181,13 @@ impl Session {
             return None;
         }
         match (self.state, event) {
-            (State::Listening, Event::Telegram { code: SCAN_LINE }) => return Some(SessionEvent::ScanLine),
+            (State::Listening, Event::Telegram { code: SCAN_LINE | SUB_RANGE | MEANS }) => {
+                return Some(SessionEvent::ScanLine);
+            }
             (State::Running { .. } | State::Listening, Event::Start { bytes_ago }) => {
                 return Some(SessionEvent::Start { bytes_ago });
             }
-            (State::Running { .. }, Event::Telegram { code: SCAN_LINE }) => {
+            (State::Running { .. }, Event::Telegram { code: SCAN_LINE | SUB_RANGE | MEANS }) => {
                 self.state = State::Running { deadline_ms: now_ms.wrapping_add(self.scan_timeout_ms()) };
                 return Some(SessionEvent::ScanLine);
             }
@@ -208,7 +209,7 @@ impl Session {
                 self.failed(now_ms, step, Trouble::NotAcknowledged { command: self.command(step).code() });
             }
             // the answer was lost, but the scan lines come
-            (State::Await { step: Step::Start, .. }, Event::Telegram { code: SCAN_LINE }) => {
+            (State::Await { step: Step::Start, .. }, Event::Telegram { code: SCAN_LINE | SUB_RANGE | MEANS }) => {
                 self.advance(now_ms, Step::Start);
                 return Some(SessionEvent::ScanLine);
             }

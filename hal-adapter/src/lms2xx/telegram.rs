@@ -9,7 +9,7 @@ use super::crc::check_word;
 use super::format::ScanLineFormat;
 use super::scan_line::{ScanLine, ScanLineError};
 use super::status::ScannerStatus;
-use crate::bytes::copy;
+use crate::bytes::{copy, move_down};
 
 /// Length of the longest telegram, start byte and check word included: a scan line of 401 values.
 pub const MAX_TELEGRAM: usize = 812;
@@ -305,7 +305,7 @@ impl TelegramDecoder {
             // bounds that the compiler can see, so that it leaves no panic in the image
             let end = self.end.min(MAX_TELEGRAM);
             let first = self.first.min(end);
-            self.buffer.copy_within(first..end, 0);
+            move_down(self.buffer.get_mut(..end).unwrap_or(&mut []), first);
             self.end = end - first;
             self.first = 0;
         }

@@ -71,6 +71,11 @@ pub struct Counters {
     pub scans: u32,
     /// Segments given out.
     pub segments: u32,
+    /// Bytes of the scanner that its port lost because they were taken out too late, as far as it
+    /// noticed, see [`Rig::port_lost`](super::Rig::port_lost).
+    pub overruns: u32,
+    /// Bytes of the scanner lost because the queue behind its port was full.
+    pub queue_full: u32,
 }
 
 impl Counters {

@@ -44,9 +44,6 @@ pub enum RigError {
         /// Microseconds given.
         got_us: u32,
     },
-    /// The interlaced telegrams of this variant are not whole rows: only those in steps of 1 degree
-    /// are.
-    Interlaced,
     /// The memory for rows is too small.
     Memory {
         /// Ranges needed.
@@ -62,7 +59,6 @@ impl core::fmt::Display for RigError {
             Self::Rates { min, max } => write!(f, "the tilt cannot turn at {min} to {max} rad/s"),
             Self::Sweep(sweep_rad) => write!(f, "a sweep cannot be {sweep_rad} rad"),
             Self::Pause { needed_us, got_us } => write!(f, "pause must be {needed_us} us or more, is {got_us}"),
-            Self::Interlaced => write!(f, "interlaced scans make rows only in steps of 1 degree"),
             Self::Memory { needed, got } => write!(f, "rows need memory for {needed} ranges, got {got}"),
         }
     }
@@ -89,9 +85,6 @@ impl TiltLimits {
         }
         if got_us < 3 * period_us {
             return Err(RigError::Pause { needed_us: 3 * period_us, got_us });
-        }
-        if settings.interlaced && settings.variant.mirror_turns() > 1 {
-            return Err(RigError::Interlaced);
         }
         Ok(())
     }

@@ -23,6 +23,11 @@
 //! rows up to four telegrams apart. Over a longer gap the samples must have been continuous as
 //! well, and the time between two samples counts instead.
 //!
+//! A row has all columns of the variant. A partial scan line is a row of its own, with its own turn
+//! angle: it has ranges in every second or fourth column, and none in those between. The default
+//! segmenter sees surfaces through such gaps; the paper's two approaches do not. A sub-range has
+//! ranges in its own columns. Of means over several scans the turn angle is that of the last.
+//!
 //! All beams of a row get the mean turn angle of the row. [`pairing`](crate::pairing) has a table
 //! of the error that this leaves: on a floor, at 0.5 rad/s, 5.6 mm if two mirror turns make a row,
 //! 1.1 mm if each is a row of its own. So use a variant in steps of 1 degree for a tilt that moves.

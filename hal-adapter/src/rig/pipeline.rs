@@ -149,6 +149,13 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         }
     }
 
+    /// Takes the numbers of bytes that the scanner's port has lost since it was opened, for the
+    /// counters: those that were taken out too late, and those for which the queue behind the port
+    /// had no room.
+    pub fn port_lost(&mut self, overruns: u32, queue_full: u32) {
+        (self.counters.overruns, self.counters.queue_full) = (overruns, queue_full);
+    }
+
     /// Ends the scan, if one is under way.
     pub fn finish(&mut self, sink: &mut (impl RigSink + ?Sized)) {
         self.end(End::Asked, sink);
@@ -170,26 +177,26 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         // The first telegram after a trouble may come while the session still waits for an answer.
         // It has no start byte.
         let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
-        self.count_lost(start_us);
+        self.count_lost(start_us, line.scans());
         let turn = self.pairing.row(BeamAges::of(line, self.settings.variant));
+        if !line.fits(self.settings.variant) {
+            return self.drop_row(Dropped::Columns, sink);
+        }
         if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
             return self.drop_row(Dropped::Status, sink);
-        }
-        if usize::from(line.columns()) != self.row_m.len() {
-            return self.drop_row(Dropped::Columns, sink);
         }
         match self.place(turn, start_us) {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(row) => {
-                line.ranges_m(self.settings.mode, self.row_m);
+                line.row_m(self.settings.mode, self.settings.variant, self.row_m);
                 self.row(row, sink);
             }
         }
     }
 
     /// Counts the telegrams lost since the last valid one, by the time.
-    fn count_lost(&mut self, start_us: u64) {
-        let period_us = u64::from(self.settings.period_us()).max(1);
+    fn count_lost(&mut self, start_us: u64, scans: u8) {
+        let period_us = u64::from(self.settings.period_us()).max(1) * u64::from(scans.max(1));
         if let Some(last_us) = self.last_start_us.replace(start_us) {
             let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
             self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);

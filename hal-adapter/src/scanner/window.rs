@@ -1,6 +1,6 @@
 //! Bytes that may begin a packet.
 
-use crate::bytes::copy;
+use crate::bytes::{copy, move_down};
 
 /// The bytes of one packet of at most `N`, or of what may be one. The search for a packet resumes
 /// behind the first byte of a false one.
@@ -34,7 +34,7 @@ impl<const N: usize> Window<N> {
     pub fn drop(&mut self, bytes: usize, begins: impl Fn(u8) -> bool) -> usize {
         let next = self.held().iter().skip(bytes).position(|&byte| begins(byte));
         let from = next.map_or(self.held, |at| at + bytes).min(N);
-        self.bytes.copy_within(from.., 0);
+        move_down(&mut self.bytes, from);
         self.held = self.held.saturating_sub(from);
         from
     }

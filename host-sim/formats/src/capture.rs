@@ -22,7 +22,7 @@ use std::fmt;
 use std::fmt::Write;
 
 use scanseg_hal::Latch;
-use scanseg_hal::lms2xx::{Baud, Event, MeasuringMode, SCAN_LINE, Settings, TelegramDecoder, Unit, Variant};
+use scanseg_hal::lms2xx::{Baud, Event, MeasuringMode, ScanLine, Settings, TelegramDecoder, Unit, Variant};
 use scanseg_hal::pairing::BeamAges;
 use scanseg_hal::rig::TiltLimits;
 
@@ -71,6 +71,8 @@ pub enum CaptureError {
     Settings,
     /// There is no scan telegram in a raw stream.
     NoTelegram,
+    /// No variant of the scanner sends all scan telegrams of a raw stream.
+    Variant,
     /// The geometry is not that of a nodding scanner with so many columns.
     Geometry {
         /// Columns of the first scan.
@@ -85,6 +87,7 @@ impl fmt::Display for CaptureError {
             Self::Version(version) => write!(f, "a capture of version {version}, not 1"),
             Self::Settings => write!(f, "settings of the scanner are missing or wrong"),
             Self::NoTelegram => write!(f, "no scan of an LMS 2xx in it"),
+            Self::Variant => write!(f, "its scans are not of one variant of an LMS 2xx"),
             Self::Geometry { columns } => {
                 write!(f, "scans of {columns} columns need the geometry of a nodding scanner with as many")
             }
@@ -171,18 +174,26 @@ impl Capture {
     /// whole telegrams are missing from the stream, nothing tells. `range_bits` is 13 to 16, see
     /// [`MeasuringMode::range_bits`].
     ///
+    /// Also returns the geometry of the rows: that given, with all columns of the scanner's variant.
+    /// Its first angle is that of the first value of a telegram; its step is the scanner's, or for
+    /// partial scan lines also that of one of them, 1 degree.
+    ///
     /// # Errors
-    /// [`CaptureError::NoTelegram`] or [`CaptureError::Geometry`].
-    pub fn of_telegrams(raw: &[u8], geometry: &Geometry, range_bits: u32) -> Result<Capture, CaptureError> {
-        let Telegrams { settings, sweep, length, starts } =
-            Telegrams::find(raw, range_bits).ok_or(CaptureError::NoTelegram)?;
-        let columns = settings.variant.columns();
-        let Kind::Nodding { turn_deg, .. } = &geometry.kind else { return Err(CaptureError::Geometry { columns }) };
+    /// [`CaptureError::NoTelegram`], [`CaptureError::Variant`] or [`CaptureError::Geometry`].
+    pub fn of_telegrams(raw: &[u8], geometry: &Geometry, range_bits: u32) -> Result<(Capture, Geometry), CaptureError> {
+        let Telegrams { settings, sweep, length, starts, first_column, columns } =
+            Telegrams::find(raw, geometry, range_bits)?;
+        let Kind::Nodding { beam_deg, turn_deg, turn_axis } = &geometry.kind else {
+            return Err(CaptureError::Geometry { columns });
+        };
         let rows = match turn_deg {
             Angles::Even { .. } => raw.len(),
             Angles::Listed(list) => list.len(),
         };
-        if geometry.fits(rows, columns.into()).is_err() {
+        let beam_deg = all_columns(beam_deg, &settings, first_column).ok_or(CaptureError::Geometry { columns })?;
+        let kind = Kind::Nodding { beam_deg, turn_deg: turn_deg.clone(), turn_axis: *turn_axis };
+        let of_rows = Geometry { kind, ..geometry.clone() };
+        if of_rows.fits(rows, settings.variant.columns().into()).is_err() {
             return Err(CaptureError::Geometry { columns });
         }
         let period_us = u64::from(settings.period_us());
@@ -217,7 +228,8 @@ impl Capture {
             events.push((time_us, CaptureEvent::Tilt(Some(Latch { turn_rad: deg.to_radians() as f32, time_us }))));
         }
         events.sort_by_key(|(time_us, _)| *time_us);
-        Ok(Capture { settings, limits, events: events.into_iter().map(|(_, came)| came).collect() })
+        let events = events.into_iter().map(|(_, came)| came).collect();
+        Ok((Capture { settings, limits, events }, of_rows))
     }
 }
 
@@ -233,6 +245,23 @@ pub fn geometry_on_tilt(variant: Variant) -> Geometry {
     Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Y })
 }
 
+/// Returns the angles of all columns of a scanner, of which those given are the angles of a telegram
+/// that begins with this column; `None` if they do not fit.
+fn all_columns(beam_deg: &Angles, settings: &Settings, first_column: u16) -> Option<Angles> {
+    let scanner_deg = f64::from(settings.variant.step_cdeg()) / 100.0;
+    let (start_deg, step_deg) = match beam_deg {
+        Angles::Even { start_deg, step_deg } => (*start_deg, *step_deg),
+        Angles::Listed(_) if settings.interlaced || first_column > 0 => return None,
+        Angles::Listed(list) => return Some(Angles::Listed(list.clone())),
+    };
+    // the angles of a complete scan may be stretched: a scanner that bends
+    let partial = settings.interlaced && (step_deg.abs() - 1.0).abs() < 1e-3;
+    let whole = (step_deg.abs() - scanner_deg).abs() < 0.1 * scanner_deg;
+    let step_deg = if partial { scanner_deg.copysign(step_deg) } else { step_deg };
+    let start_deg = start_deg - f64::from(first_column) * step_deg;
+    (partial || whole || !settings.interlaced).then_some(Angles::Even { start_deg, step_deg })
+}
+
 /// The scans of a raw stream.
 struct Telegrams {
     settings: Settings,
@@ -241,39 +270,77 @@ struct Telegrams {
     length: usize,
     /// Where the good ones begin.
     starts: Vec<usize>,
+    /// Column of the first value of a telegram, and values of the first telegram.
+    first_column: u16,
+    columns: u16,
 }
 
 impl Telegrams {
-    /// Finds those like the first.
-    fn find(raw: &[u8], range_bits: u32) -> Option<Telegrams> {
-        let mode = MeasuringMode::ALL.into_iter().find(|mode| mode.range_bits() == range_bits)?;
-        let (mut decoder, mut used, mut start) = (TelegramDecoder::new(), 0, 0);
-        let mut found: Option<Telegrams> = None;
+    /// Finds all that are good, and the variant that sends such ones. Those of another unit or kind
+    /// than most are counted among them: each has its turn angle.
+    fn find(raw: &[u8], geometry: &Geometry, range_bits: u32) -> Result<Telegrams, CaptureError> {
+        let mode = MeasuringMode::ALL.into_iter().find(|mode| mode.range_bits() == range_bits);
+        let mode = mode.ok_or(CaptureError::NoTelegram)?;
+        let starts = good_scans(raw, |_| true);
+        let with_scan = |interlaced| {
+            let variants = Variant::ALL.into_iter().map(move |variant| (variant, interlaced));
+            variants.map(|(variant, interlaced)| {
+                let fits = |line: &ScanLine<'_>| line.fits(variant) && line.partial_quarter().is_some() == interlaced;
+                (good_scans(raw, fits), variant, interlaced)
+            })
+        };
+        // of the variants that send most of them the one with the step of the geometry, then the one
+        // with the fewest columns
+        let step_cdeg = match geometry.kind {
+            Kind::Nodding { beam_deg: Angles::Even { step_deg, .. }, .. } => (100.0 * step_deg.abs()).round() as u16,
+            _ => 0,
+        };
+        let all = [false, true].into_iter().flat_map(with_scan);
+        let best = all.min_by_key(|(scans, variant, _)| {
+            (std::cmp::Reverse(scans.len()), variant.step_cdeg() != step_cdeg, variant.columns())
+        });
+        let (Some((scans, variant, interlaced)), false) = (best, starts.is_empty()) else {
+            return Err(CaptureError::NoTelegram);
+        };
+        if 2 * scans.len() <= starts.len() {
+            return Err(CaptureError::Variant);
+        }
+        let mut decoder = TelegramDecoder::new();
+        let first = *scans.first().ok_or(CaptureError::NoTelegram)?;
+        let mut rest = &raw[first..];
         loop {
-            let fed = decoder.feed(&raw[used..]);
-            used += fed.used;
-            match fed.event {
-                Event::NeedMore => return found,
-                Event::Start { bytes_ago } => start = used - 1 - usize::from(bytes_ago),
-                Event::Telegram { code: SCAN_LINE } => {
-                    let Some(telegram) = decoder.telegram() else { continue };
-                    let Some(scan) = telegram.scan_line() else { continue };
-                    match &mut found {
-                        Some(found) => found.starts.push(start),
-                        None => {
-                            let interlaced = scan.partial_quarter().is_some();
-                            let Some(variant) = variant(scan.columns()) else { continue };
-                            let settings =
-                                Settings { baud: Baud::B38400, variant, unit: scan.unit(), mode, interlaced };
-                            // Code, status, header and check word beside the data.
-                            let length = telegram.data().len() + 2 + 4 + 2;
-                            let sweep = BeamAges::of(&scan, variant);
-                            found = Some(Telegrams { settings, sweep, length, starts: vec![start] });
-                            decoder.expect_scan_lines(Some(settings.format()));
-                        }
-                    }
+            let fed = decoder.feed(rest);
+            rest = &rest[fed.used..];
+            if let Some(telegram) = decoder.telegram()
+                && let Some(scan) = telegram.scan_line()
+            {
+                let settings = Settings { baud: Baud::B38400, variant, unit: scan.unit(), mode, interlaced };
+                // Code, status, header and check word beside the data.
+                let length = telegram.data().len() + 2 + 4 + 2;
+                let (sweep, first_column) = (BeamAges::of(&scan, variant), scan.first_column());
+                return Ok(Telegrams { settings, sweep, length, starts, first_column, columns: scan.columns() });
+            }
+            if fed.event == Event::NeedMore {
+                return Err(CaptureError::NoTelegram);
+            }
+        }
+    }
+}
+
+/// Returns where the good scan telegrams begin that are as asked for.
+fn good_scans(raw: &[u8], mut asked_for: impl FnMut(&ScanLine<'_>) -> bool) -> Vec<usize> {
+    let (mut decoder, mut used, mut start, mut starts) = (TelegramDecoder::new(), 0, 0, vec![]);
+    loop {
+        let fed = decoder.feed(&raw[used..]);
+        used += fed.used;
+        match fed.event {
+            Event::NeedMore => return starts,
+            Event::Start { bytes_ago } => start = used - 1 - usize::from(bytes_ago),
+            _ => {
+                let scan = decoder.telegram().and_then(|telegram| telegram.scan_line());
+                if scan.is_some_and(|scan| asked_for(&scan)) {
+                    starts.push(start);
                 }
-                _ => {}
             }
         }
     }

@@ -60,11 +60,11 @@ fn scan<I: Iterator<Item = f64>>(
             }
             let mut geometry = Geometry::of(camera.kind(rows, columns)?);
             geometry.unit_m = camera.unit_m.unwrap_or(usual_unit_m);
-            geometry.check()?;
             geometry
         }
     };
     geometry.unit_m = options.unit_m.unwrap_or(geometry.unit_m);
+    geometry.check()?;
     let returned =
         |distance: &f64| *distance > 0.0 && !geometry.no_return.iter().any(|count| f64::from(*count) == *distance);
     let image =

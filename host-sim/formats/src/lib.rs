@@ -11,13 +11,17 @@ pub mod geometry;
 mod geometry_error;
 mod geometry_toml;
 pub mod grey_image;
+pub mod lidar;
 mod limits;
 mod noise;
 mod npy;
 pub mod range_image;
+mod ros;
 pub mod scan;
 mod scan_error;
+mod scan_file;
 mod sensors;
+mod streamed;
 mod write;
 
 pub use angles::Angles;
@@ -29,8 +33,9 @@ pub use geometry_error::GeometryError;
 pub use grey_image::{GreyImage, ImageError, MAX_PIXELS};
 pub use noise::Noise;
 pub use range_image::{RangeError, RangeImage};
-pub use scan::{CameraOptions, Format, ReadOptions, Scan, ScanFile};
+pub use scan::{CameraOptions, ReadOptions, Scan};
 pub use scan_error::ScanError;
+pub use scan_file::{Format, ScanFile};
 pub use sensors::{SENSORS, Sensor};
 pub use write::{remove_temporaries, write_all_or_none, write_atomic};
 

@@ -1,12 +1,10 @@
 //! `scanseg bench`: the time that the core takes for a scan.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use scanseg_sim::timing::Timing;
 use serde::Serialize;
 
-use crate::command::input::Input;
+use crate::command::input::ScanArguments;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::{Failure, print, warn};
 use crate::command::warnings;
@@ -14,11 +12,8 @@ use crate::command::warnings;
 /// Time the core alone: all rows of a scan from memory, labels and planes out
 #[derive(Args)]
 pub struct Arguments {
-    /// Range image: grey PGM (P5) or PNG
-    scan: PathBuf,
-    /// Its geometry file, see docs/scan-format.md
-    #[arg(long, value_name = "FILE")]
-    geometry: PathBuf,
+    #[command(flatten)]
+    scan: ScanArguments,
     /// Rounds that are timed, after one that is not
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
@@ -40,7 +35,7 @@ struct Figures {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let input = arguments.scan.read()?;
     let config = arguments.options.config(&input.geometry)?;
     let (max_labels, rounds) = (arguments.options.max_labels(), arguments.repeat as usize);
     let timing = Timing::of(&input.ranges, &input.geometry, config, max_labels, rounds)

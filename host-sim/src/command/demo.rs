@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let ranges = RangeImage::from_grey(&image, &geometry)?;
 
     let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
-    let input = Input { name: "simulated office".to_string(), geometry, ranges, counts };
+    let input = Input { name: "simulated office".to_string(), geometry, ranges, counts, remarks: vec![] };
     let config = arguments.options.config(&input.geometry)?;
     let (mut files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     files.push(("scan.png".to_string(), image.to_png()));

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use scanseg_core::{Approach, Plane, Segment};
+use scanseg_sim::export::{Planarity, Verdict};
 use scanseg_sim::overview::Line;
 use serde::Serialize;
 
@@ -60,6 +61,10 @@ pub struct Entry {
     pub normal: Option<[f32; 3]>,
     pub distance_m: Option<f32>,
     pub rms_m: Option<f32>,
+    /// `rms_m` over what the noise alone makes it; about 1 of a plane.
+    pub residual_per_noise: Option<f32>,
+    /// What that means: `planar`, `rough` or `uncertain`.
+    pub planarity: &'static str,
     /// Of normal x, y, z and distance.
     pub covariance: Option<[[f32; 4]; 4]>,
 }
@@ -78,12 +83,22 @@ impl Entry {
             normal: plane.map(|p| p.normal),
             distance_m: plane.map(|p| p.distance_m),
             rms_m: plane.map(|p| p.rms_m),
+            residual_per_noise: None,
+            planarity: Verdict::Uncertain.name(),
             covariance: plane.map(|p| p.covariance),
         }
     }
 }
 
 impl Listing {
+    /// States how planar each segment is.
+    pub fn set_planarities(&mut self, planarities: &[Planarity]) {
+        for (entry, planarity) in self.segments.iter_mut().zip(planarities) {
+            entry.residual_per_noise = planarity.residual_per_noise;
+            entry.planarity = planarity.verdict.name();
+        }
+    }
+
     pub fn json(&self) -> Result<Vec<u8>, Failure> {
         let mut bytes = serde_json::to_vec_pretty(self)?;
         bytes.push(b'\n');
@@ -96,6 +111,7 @@ impl Listing {
              centroid_z_m,normal_x,normal_y,normal_z,distance_m,rms_m"
             .to_string();
         (0..16).for_each(|i| text += &format!(",covariance_{}{}", i / 4, i % 4));
+        text += ",residual_per_noise,planarity";
         text.push('\n');
         for e in &self.segments {
             let whole = [e.label, e.pixels];
@@ -106,6 +122,8 @@ impl Listing {
             let plane = plane.chain(e.covariance.into_iter().flatten().flatten());
             fields.extend(plane.map(|x| x.to_string()));
             fields.resize(9 + 5 + 16, String::new());
+            fields.push(e.residual_per_noise.map(|x| x.to_string()).unwrap_or_default());
+            fields.push(e.planarity.to_string());
             text += &fields.join(",");
             text.push('\n');
         }

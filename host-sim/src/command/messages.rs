@@ -124,6 +124,8 @@ pub fn counters_line(counters: &Counters) -> String {
         (counters.refused, "refused"),
         (counters.encoder_errors, "encoder errors"),
         (counters.troubles, "troubles"),
+        (counters.overruns, "bytes taken too late"),
+        (counters.queue_full, "bytes before a full queue"),
     ] {
         if count > 0 {
             text += &format!(", {count} {why}");

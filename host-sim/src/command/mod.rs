@@ -4,6 +4,7 @@ mod bench;
 mod demo;
 mod evaluate;
 mod experiment;
+mod exports;
 mod input;
 mod listen;
 mod lists;

@@ -115,8 +115,8 @@ fn write_scan(
     let counts = ranges.range_m.iter().filter(|range_m| **range_m > 0.0).count();
     let name = format!("{}, scan {number}", arguments.capture.display());
     let config = arguments.options.config(&geometry)?;
-    let input = Input { name, geometry, ranges, counts };
-    let lists = ListOptions { min_pixels: arguments.link.min_pixels };
+    let input = Input { name, geometry, ranges, counts, remarks: vec![] };
+    let lists = ListOptions::usual(arguments.link.min_pixels);
     let (files, _) = segment(&input, config, &arguments.options, &lists)?;
     let folder = out.join(format!("scan-{number}"));
     write(&folder, &files)?;
@@ -138,11 +138,11 @@ fn read(arguments: &Arguments) -> Result<(Capture, Geometry), Failure> {
         (true, Some(_), _) => Err(format!("{name}: this capture needs no --geometry").into()),
         (false, Some(path), Some(range_bits)) => {
             let geometry = read_geometry(path)?;
-            let capture = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
+            let capture_and_geometry = Capture::of_telegrams(&raw, &geometry, range_bits).map_err(|e| match e {
                 CaptureError::Geometry { .. } => with_page(&format!("{}: does not fit {name}: {e}", path.display())),
                 e => file_error(e.into()).into(),
             })?;
-            Ok((capture, geometry))
+            Ok(capture_and_geometry)
         }
         (false, ..) => Err(format!("{name}: raw bytes need --geometry and --range-bits").into()),
     }

@@ -6,10 +6,12 @@ use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
+use scanseg_sim::export::Segmented;
 use scanseg_sim::point_cloud::point_m;
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
-use crate::command::input::Input;
+use crate::command::exports::ExportOptions;
+use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
@@ -28,11 +30,8 @@ const LONG_SCAN: usize = 1_000_000;
 /// being left as the scanner sees them; points.ply, the returns as points with colour and label.
 #[derive(Args)]
 pub struct Arguments {
-    /// Range image: grey PGM (P5) or PNG
-    scan: PathBuf,
-    /// Its geometry file, see docs/scan-format.md
-    #[arg(long, value_name = "FILE")]
-    geometry: PathBuf,
+    #[command(flatten)]
+    scan: ScanArguments,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -45,13 +44,22 @@ pub struct Arguments {
 /// What is written of a segmentation.
 #[derive(Args)]
 pub struct ListOptions {
+    #[command(flatten)]
+    exports: ExportOptions,
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
-    pub min_pixels: u32,
+    min_pixels: u32,
+}
+
+impl ListOptions {
+    /// Returns what is written where nothing more was asked for.
+    pub fn usual(min_pixels: u32) -> ListOptions {
+        ListOptions { exports: ExportOptions::default(), min_pixels }
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = Input::read(&arguments.scan, &arguments.geometry)?;
+    let input = arguments.scan.read()?;
     let config = arguments.options.config(&input.geometry)?;
     let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
     write(&arguments.out, &files)?;
@@ -82,7 +90,17 @@ pub fn segment(
     bar.finish_and_clear();
 
     let labels = segmentation.numbers(lists.min_pixels);
-    let listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
+    let stated = options.states_noise(&input.geometry);
+    let segmented = Segmented {
+        image: &input.ranges,
+        geometry: &input.geometry,
+        ranging: &config.ranging(),
+        range_noise_m: if stated { &[] } else { &segmentation.range_noise_m },
+        numbers: &labels,
+        segments: segmentation.of_pixels(lists.min_pixels),
+    };
+    let mut listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
+    listing.set_planarities(&segmented.planarities());
     let labels_png = labels_png(input, &labels, &listing)?;
     let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
     let shown = Shown { input, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
@@ -99,14 +117,16 @@ pub fn segment(
     files.push(("segments.csv", listing.csv()));
     files.push(("segments.json", listing.json()?));
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
-    let stated = options.states_noise(&input.geometry);
     let mut all = warnings::of_scan(input, &config, stated);
     all.extend(warnings::of_result(&input.name, &config, stated, options.max_labels(), &segmentation));
     all.iter().for_each(|warning| warn(warning));
     let (table, noise, ms) = (listing.table(), noise::used(&config, stated, segmentation.noise), 1e3 * seconds);
     let weak = planes::weak(segmentation.of_pixels(lists.min_pixels)).unwrap_or_default();
-    let summary = format!("{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
-    Ok((files.into_iter().map(|(name, bytes)| (name.to_string(), bytes)).collect(), summary))
+    let remarks = input.remarks();
+    let summary = format!("{remarks}{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
+    let mut files: Files = files.into_iter().map(|(name, bytes)| (name.to_string(), bytes)).collect();
+    files.extend(lists.exports.files(&segmented)?);
+    Ok((files, summary))
 }
 
 /// Returns the edges of the traces along rows alone, and of those along columns alone: of the

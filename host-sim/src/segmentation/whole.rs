@@ -33,6 +33,8 @@ pub struct Segmentation {
     pub segments: Vec<Segment>,
     /// Pixels that got no label because the table of live labels was full.
     pub unlabelled: u32,
+    /// The noise that counted at the range of each pixel, metres; by edges and by regions empty.
+    pub range_noise_m: Vec<f32>,
     /// The noise of the ranges at the end of the scan; none by edges and by regions, which take
     /// what is stated, and without a return.
     pub noise: Option<FoundNoise>,
@@ -68,6 +70,10 @@ impl Segmentation {
             row_done();
         }
         let noise = FoundNoise::of(&segmenter, &scan.range_m, &config.ranging());
+        let range_noise_m = match &segmenter {
+            AnySegmenter::Plane(planes) => scan.range_m.iter().map(|&range_m| planes.range_noise_m(range_m)).collect(),
+            AnySegmenter::Edge(_) | AnySegmenter::Region(_) => vec![],
+        };
         let finishing = Instant::now();
         let unlabelled = match segmenter.finish(&mut apart) {
             Finished::Complete { unlabelled, .. } => unlabelled,
@@ -77,7 +83,18 @@ impl Segmentation {
         collected.apply_joins();
         let Collected { labels, edges, closed_edges, segments, .. } = collected;
         let (rows, columns, segments) = (scan.rows, scan.columns, segments.into_sorted());
-        Ok(Segmentation { rows, columns, labels, edges, closed_edges, segments, unlabelled, noise, core_time })
+        Ok(Segmentation {
+            rows,
+            columns,
+            labels,
+            edges,
+            closed_edges,
+            segments,
+            unlabelled,
+            range_noise_m,
+            noise,
+            core_time,
+        })
     }
 
     /// Returns the segments of at least `min_pixels` pixels.

@@ -13,6 +13,8 @@ pub struct Summary {
     pub segments: usize,
     pub planes: usize,
     pub unlabelled: u32,
+    /// Bytes that the port lost, as the image reports.
+    pub lost: u32,
 }
 
 impl Summary {
@@ -25,8 +27,9 @@ impl Summary {
                 summary.planes += usize::from(segment.plane.is_some());
             }
             Received::Message { message: Message::ScanFinished(scan), .. } => {
-                summary.rows = usize::from(scan.rows);
-                summary.unlabelled = scan.unlabelled;
+                summary.rows += usize::from(scan.rows);
+                summary.unlabelled += scan.unlabelled;
+                summary.lost = scan.counters.overruns + scan.counters.queue_full;
             }
             _ => {}
         });
@@ -44,6 +47,10 @@ pub struct Figures {
     pub segmenter: f64,
     /// Bytes of stack.
     pub stack: u32,
+    /// Most bytes in the queue of the scanner's port.
+    pub deepest: u32,
+    /// Bytes lost there.
+    pub lost: u32,
 }
 
 impl Figures {
@@ -51,7 +58,9 @@ impl Figures {
     /// once.
     pub fn read(record: &[u8], tick_ns: f64, points: f64, sent: usize) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _] = words[..] else { return None };
+        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _, deepest, late, full] = words[..] else {
+            return None;
+        };
         let without_waits = |ticks: u32, waits: f64| {
             let ticks = f64::from(ticks) - waits * f64::from(empty_ticks) / f64::from(EMPTY_WAITS);
             ticks * tick_ns / INSTRUCTION_NS / points
@@ -59,6 +68,6 @@ impl Figures {
         let sent = sent as f64;
         let (all, frames) = (without_waits(ticks, waits.into()), without_waits(in_sink, sent));
         let segmenter = without_waits(in_segmenter, sent) - frames;
-        Some(Self { labels: all - frames, frames, segmenter, stack })
+        Some(Self { labels: all - frames, frames, segmenter, stack, deepest, lost: late + full })
     }
 }

@@ -49,7 +49,7 @@ pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labe
     let ports =
         Ports { scanner: Clocked { stream, clock }, encoder: Spy { sensor, frames: &mut frames }, link: &mut link };
     // runs until the stream ends
-    run(ports, settings, &mut session, &mut rig, || {});
+    run(ports, settings, &mut session, &mut rig, || (0, 0), || {});
     Ok(Expected { link, frames })
 }
 

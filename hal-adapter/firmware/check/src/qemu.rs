@@ -8,6 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use scanseg_firmware::figures::{COUNT, MAGIC};
 use scanseg_firmware::mux::Line;
 
 use crate::host::Frames;
@@ -15,11 +16,17 @@ use crate::host::Frames;
 /// Longest time without a byte before an image is taken to have stopped.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// How often the file of the link is looked at, and its name.
+const POLL: Duration = Duration::from_millis(50);
+const LINK_FILE: &str = "link";
+
 /// How the three lines reach the machine.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Wiring {
     /// A UART each: scanner, encoder, link.
     Apart,
+    /// What scanner and encoder say is in the image; the link goes to a file.
+    LinkToFile,
     /// All over one, see [`scanseg_firmware::mux`].
     Shared,
 }
@@ -55,6 +62,28 @@ pub fn run(
     }
 }
 
+/// Runs an image that has scanner and encoder in it: sends the time of a byte, in ticks of the
+/// timer. Gives all that came of the link up to a record of figures, or until it fell silent.
+pub fn run_paced(machine: &str, image: &Path, byte_ticks: u32) -> io::Result<Vec<u8>> {
+    const RECORD: usize = 4 * (1 + COUNT);
+    // a file takes every byte at once, so that nothing depends on this program
+    let (qemu, mut ports) = start(machine, Wiring::LinkToFile, image)?;
+    let [host] = &mut ports[..] else { return Ok(vec![]) };
+    host.write_all(&byte_ticks.to_le_bytes())?;
+    let mut patience = PATIENCE;
+    let mut before = 0;
+    loop {
+        thread::sleep(POLL);
+        let link = fs::read(qemu.sockets.join(LINK_FILE)).unwrap_or_default();
+        let over = link.len() >= RECORD && link[link.len() - RECORD..].starts_with(&MAGIC.to_le_bytes());
+        if over || patience.is_zero() {
+            return Ok(link);
+        }
+        patience = if link.len() == before { patience.saturating_sub(POLL) } else { PATIENCE };
+        before = link.len();
+    }
+}
+
 /// Ends the machine when it is dropped.
 struct Qemu {
     process: Child,
@@ -72,7 +101,9 @@ impl Drop for Qemu {
 fn start(machine: &str, wiring: Wiring, image: &Path) -> io::Result<(Qemu, Vec<UnixStream>)> {
     let sockets = std::env::temp_dir().join(format!("scanseg-firmware-{}", std::process::id()));
     fs::create_dir_all(&sockets)?;
-    let lines = if wiring == Wiring::Shared { 1 } else { 3 };
+    let lines = if wiring == Wiring::Apart { 3 } else { 1 };
+    let file = format!("file:{}", sockets.join(LINK_FILE).display());
+    let link = if wiring == Wiring::LinkToFile { &["-serial", "null", "-serial", &file][..] } else { &[] };
     let paths: Vec<PathBuf> = (0..lines).map(|line| sockets.join(line.to_string())).collect();
     let listeners = paths.iter().map(UnixListener::bind).collect::<io::Result<Vec<_>>>()?;
     let process = Command::new("qemu-system-arm")
@@ -81,6 +112,7 @@ fn start(machine: &str, wiring: Wiring, image: &Path) -> io::Result<(Qemu, Vec<U
         .arg("-kernel")
         .arg(image)
         .args(paths.iter().flat_map(|path| ["-serial".into(), format!("unix:{}", path.display())]))
+        .args(link)
         .stdin(Stdio::null())
         .spawn()?;
     let mut qemu = Qemu { process, sockets };

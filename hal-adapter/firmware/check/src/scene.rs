@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scanseg_firmware::run::{ASK_FOR_FIGURES, PIECE, ROW_RAD};
+use scanseg_firmware::run::{ASK_FOR_FIGURES, ROW_RAD};
 use scanseg_formats::{Angles, GreyImage, Kind};
 use scanseg_hal::lms2xx::{SCAN_LINE, Settings, Unit};
 use scanseg_sim::office::{Scene, Sensor, Set};
@@ -71,7 +71,6 @@ impl Recording {
             stream.extend(telegram(&row));
         }
         stream.extend(silence.repeat(TRAIL));
-        stream.resize(stream.len().next_multiple_of(PIECE), 0);
         stream.extend(ASK_FOR_FIGURES);
         stream
     }

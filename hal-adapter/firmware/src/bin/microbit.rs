@@ -50,7 +50,7 @@ fn main() -> ! {
         && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
     {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
-        run(ports, &MICROBIT, session, &mut rig, || figures::send(link));
+        run(ports, &MICROBIT, session, &mut rig, || (0, 0), || figures::send(link, [0; 3]));
     }
     loop {
         core::hint::spin_loop();

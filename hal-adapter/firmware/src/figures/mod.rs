@@ -13,3 +13,5 @@ mod timer;
 pub use record::{COUNT, EMPTY_WAITS, MAGIC};
 pub use timed::Timed;
 pub use timer::{begin, now, pause, resume, send};
+#[cfg(all(feature = "figures", machine = "mps2"))]
+pub use timer::{count_interrupt, in_interrupt};

@@ -8,8 +8,9 @@ pub const MAGIC: u32 = 0x5E6F_1605;
 
 /// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink
 /// (planes, frames), waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes
-/// of stack there are.
-pub const COUNT: usize = 7;
+/// of stack there are, most bytes in the queue, bytes lost by a late interrupt, and by a full
+/// queue.
+pub const COUNT: usize = 10;
 
 /// See [`COUNT`].
 pub const EMPTY_WAITS: u32 = 1000;

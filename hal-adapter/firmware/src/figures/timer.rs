@@ -33,6 +33,10 @@ mod machine {
         CONTROL.write(1);
     }
 
+    pub fn runs() -> bool {
+        CONTROL.read() != 0
+    }
+
     /// Ticks since the start; those before it are in the timer still.
     pub fn since_start() -> u32 {
         u32::MAX - VALUE.read()
@@ -109,19 +113,40 @@ pub fn resume() {
     machine::start();
 }
 
+/// Does what of an interrupt is not to be counted. Within it, [`count_interrupt`] counts.
+#[cfg(machine = "mps2")]
+#[inline(always)]
+pub fn in_interrupt(work: impl FnOnce()) {
+    let runs = machine::runs();
+    machine::stop();
+    work();
+    if runs {
+        machine::start();
+    }
+}
+
+/// Does the work of an interrupt that counts, whether the program waits or not.
+#[cfg(machine = "mps2")]
+#[inline(always)]
+pub fn count_interrupt(work: impl FnOnce()) {
+    machine::start();
+    work();
+    machine::stop();
+}
+
 /// Ticks so far.
 #[inline(always)]
 pub fn now() -> u32 {
     TICKS.load(Relaxed).wrapping_add(machine::since_start())
 }
 
-/// Sends the record, see [`COUNT`].
-pub fn send(mut link: impl Write) {
+/// Sends the record, see [`COUNT`], with what it has of the queue.
+pub fn send(mut link: impl Write, [deepest, overruns, queue_full]: [u32; 3]) {
     let ticks = now() - EMPTY_TICKS.load(Relaxed);
     let (used, there_are) = stack();
     let [segmenter, sink, waits, empty] =
         [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS].map(|word| word.load(Relaxed));
-    let words: [u32; COUNT] = [ticks, segmenter, sink, waits, empty, used, there_are];
+    let words: [u32; COUNT] = [ticks, segmenter, sink, waits, empty, used, there_are, deepest, overruns, queue_full];
     for word in [MAGIC].into_iter().chain(words) {
         let _ = link.write_all(&word.to_le_bytes());
     }

@@ -5,16 +5,20 @@ use core::convert::Infallible;
 use embedded_io::{ErrorType, Read, ReadExactError, Write};
 
 use crate::figures;
+use crate::receive::Input;
 use crate::register::Register;
 
 const TX_FULL: u32 = 1;
 const RX_FULL: u32 = 2;
+const RX_OVERRUN: u32 = 8;
 
 /// One UART.
 #[derive(Clone, Copy, Debug)]
 pub struct Uart {
     data: Register,
     state: Register,
+    control: Register,
+    interrupt: Register,
 }
 
 impl Uart {
@@ -24,12 +28,33 @@ impl Uart {
     /// There is such a UART, and nothing else uses it.
     pub unsafe fn new(base: usize, divider: u32) -> Self {
         // SAFETY: the registers of the UART that the caller promises.
-        let [data, state, control, rate] =
-            [0x00, 0x04, 0x08, 0x10].map(|offset| unsafe { Register::at(base + offset) });
+        let [data, state, control, interrupt, rate] =
+            [0x00, 0x04, 0x08, 0x0C, 0x10].map(|offset| unsafe { Register::at(base + offset) });
         rate.write(divider);
         // bits 0 and 1: transmitter and receiver on; no interrupts
         control.write(3);
-        Self { data, state }
+        Self { data, state, control, interrupt }
+    }
+
+    /// Raises the interrupt for each byte that comes from now on; one that is there already has
+    /// raised none.
+    pub fn receive_by_interrupt(&self) {
+        // bit 3 beside transmitter and receiver
+        self.control.write(1 << 3 | 3);
+    }
+
+    /// Takes the byte that has raised the interrupt.
+    #[inline(always)]
+    pub fn interrupted(&self, input: &mut Input<'_>) {
+        self.interrupt.write(1 << 1);
+        let state = self.state.read();
+        let overrun = state & RX_OVERRUN != 0;
+        if overrun {
+            self.state.write(RX_OVERRUN);
+        }
+        if state & RX_FULL != 0 {
+            input.take(overrun, || self.data.read() as u8);
+        }
     }
 
     /// Waits for a byte.

@@ -1,11 +1,15 @@
 //! Organised point clouds: beams taken from the points.
 
+mod angular;
 pub(crate) mod e57;
 mod lzf;
 pub(crate) mod number;
 pub(crate) mod pcd;
+mod pinhole;
 pub(crate) mod ply;
+mod recognise;
 
+use crate::cloud::pinhole::{FORWARD, GRAPHICS, OPTICAL};
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
 use crate::range_image::RangeImage;
@@ -23,42 +27,55 @@ pub(crate) struct Cloud {
 }
 
 impl Cloud {
-    /// Returns the scan. Limits and errors are those of the geometry file of the options, if there
-    /// is one.
+    /// Returns the scan, x forward, y left, z up. Limits and errors are those of the geometry file of
+    /// the options, if there is one.
     pub fn into_scan(mut self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
-        let unit_m = options.unit_m.unwrap_or(1.0);
-        for point in &mut self.points {
-            let far = point.map(|x| (f64::from(x) * unit_m) as f32);
-            *point = if far.iter().all(|x| x.is_finite()) { far } else { [0.0; 3] };
-        }
-        let range_m: Vec<f32> = self.points.iter().map(length).collect();
-        let measured = range_m.iter().filter(|&&range_m| range_m > 0.0).count();
-        if measured == 0 {
-            return Err(ScanError::NothingMeasured { pixels: range_m.len() }.into());
-        }
+        let Cloud { rows, columns, .. } = self;
         let mut geometry = match &options.geometry {
             Some(path) => Geometry::read(path)?,
             None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
         };
-        geometry.unit_m = unit_m;
-        geometry.no_return = vec![];
-        geometry.kind = free(&self.points, self.columns);
-        let mut image = RangeImage { rows: self.rows, columns: self.columns, range_m };
+        (geometry.unit_m, geometry.no_return) = (options.unit_m.unwrap_or(1.0), vec![]);
+        geometry.check()?;
+        for point in &mut self.points {
+            let far = point.map(|x| (f64::from(x) * geometry.unit_m) as f32);
+            *point = if far.iter().all(|x| x.is_finite()) { far } else { [0.0; 3] };
+        }
+        let range_m: Vec<f32> = self.points.iter().map(|point| length(point) as f32).collect();
+        let measured = range_m.iter().filter(|&&range_m| range_m > 0.0).count();
+        if measured == 0 {
+            return Err(ScanError::NothingMeasured { pixels: range_m.len() }.into());
+        }
+        let remarks = self.turn_forward();
+        let arrangement = recognise::arrangement(&self.points, columns);
+        (geometry.kind, geometry.beside) = (arrangement.kind, arrangement.beside);
+        geometry.check()?;
+        geometry.fits(rows, columns)?;
+        let mut image = RangeImage { rows, columns, range_m };
         image.keep_within(&geometry);
-        Ok(Scan { name, image, geometry, measured, remarks: vec![] })
+        Ok(Scan { name, image, geometry, measured, remarks })
+    }
+
+    /// Turns a cloud in the axes of a camera. Returns what is to be said of it.
+    fn turn_forward(&mut self) -> Vec<String> {
+        let is = |axes| pinhole::looks(&self.points, self.columns, axes);
+        if is(FORWARD) {
+            return vec![];
+        }
+        let (turned, axes): (fn([f32; 3]) -> [f32; 3], _) = if is(OPTICAL) {
+            (|[x, y, z]| [z, -x, -y], "x right, y down, z forward")
+        } else if is(GRAPHICS) {
+            (|[x, y, z]| [-z, -x, y], "x right, y up, z backward")
+        } else {
+            return vec![];
+        };
+        self.points.iter_mut().for_each(|point| *point = turned(*point));
+        vec![format!("its axes are those of a camera ({axes}); in the results x is forward, y left, z up")]
     }
 }
 
-fn length(point: &[f32; 3]) -> f32 {
+/// Returns the distance of a point.
+fn length(point: &[f32; 3]) -> f64 {
     let squares = point.map(|x| f64::from(x) * f64::from(x));
-    squares.iter().sum::<f64>().sqrt() as f32
-}
-
-/// Returns beams through the points.
-fn free(points: &[[f32; 3]], columns: usize) -> Kind {
-    let direction = |point: &[f32; 3]| {
-        let range = length(point);
-        if range > 0.0 { point.map(|x| x / range) } else { [1.0, 0.0, 0.0] }
-    };
-    Kind::Free { directions: points.iter().map(direction).collect(), columns, wraps: false }
+    squares.iter().sum::<f64>().sqrt()
 }

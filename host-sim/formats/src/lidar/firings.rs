@@ -1,0 +1,206 @@
+//! A spinning lidar as it comes: each firing of all lasers is a row.
+//!
+//! Rows turn to the right about the upright axis, columns are the rings from the top. A turn has no
+//! fixed number of rows.
+
+use crate::angles::Angles;
+use crate::beside::Beside;
+use crate::geometry::{Geometry, Kind, TurnAxis};
+use crate::lidar::ouster::columns;
+use crate::lidar::ouster_metadata::Metadata;
+use crate::lidar::velodyne::{Model, firings};
+use crate::scan_error::ScanError;
+
+/// A Velodyne that has not fired for so long has lost packets, in steps from firing to firing.
+const GAP_STEPS: f64 = 1.5;
+/// A sensor that turns so far without firing has been told to look elsewhere only, degrees.
+const BLIND_DEG: f64 = 45.0;
+
+/// A firing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiringRow<'a> {
+    /// Where the sensor is in its turn, degrees: 0 down to more than -360.
+    pub turn_deg: f64,
+    /// Whether a turn begins with it.
+    pub begins_turn: bool,
+    /// Range of each ring from the top, metres; 0 where there is none.
+    pub range_m: &'a [f32],
+}
+
+/// Makes rows of packets.
+pub struct FiringRows {
+    sensor: Sensor,
+    /// Where the last row was, degrees to the right.
+    last_deg: Option<f64>,
+    range_m: Vec<f32>,
+    /// Rows that did not come, or not in time.
+    pub lost: u64,
+    /// Packets of something else.
+    pub other_packets: u64,
+}
+
+enum Sensor {
+    Ouster(Box<Metadata>),
+    Velodyne { model: Model, step_deg: f64, rings: Vec<usize> },
+}
+
+impl FiringRows {
+    /// For the sensor of a packet: a Velodyne tells itself, an Ouster needs its metadata.
+    ///
+    /// # Errors
+    /// [`ScanError::Lacks`] if it is of no sensor that is known, or of another than the metadata says.
+    pub fn of(packet: &[u8], metadata: Option<&Metadata>) -> Result<FiringRows, ScanError> {
+        let sensor = match metadata {
+            Some(metadata) if packet.len() == metadata.packet_bytes() => Sensor::Ouster(Box::new(metadata.clone())),
+            Some(metadata) => {
+                let (came, expected) = (packet.len(), metadata.packet_bytes());
+                return Err(ScanError::lacks(
+                    "a packet",
+                    format!("the {expected} bytes of this Ouster: it has {came}"),
+                ));
+            }
+            None => {
+                let model = Model::of(packet)?;
+                let step_deg = firings(model, packet).next().map_or(0.2, |firing| firing.step_deg);
+                Sensor::Velodyne { model, step_deg, rings: model.rings() }
+            }
+        };
+        Ok(FiringRows { sensor, last_deg: None, range_m: vec![], lost: 0, other_packets: 0 })
+    }
+
+    /// Returns where the beams point, with the turn left out, and what is known of the errors.
+    pub fn geometry(&self) -> Geometry {
+        let of = |elevation_deg: Vec<f64>, right_deg: Vec<f64>, lever_arm_m| {
+            let (beam_deg, turn_deg) = (Angles::Listed(elevation_deg), Angles::Even { start_deg: 0.0, step_deg: -0.2 });
+            let mut geometry = Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis: TurnAxis::Z });
+            let left_deg = Angles::Listed(right_deg.into_iter().map(|deg| -deg).collect());
+            geometry.beside = Beside { column_offset_deg: Some(left_deg), lever_arm_m, ..Beside::NONE };
+            geometry
+        };
+        match &self.sensor {
+            Sensor::Ouster(metadata) => {
+                let (elevation_deg, azimuth_deg) = (metadata.elevation_deg.clone(), metadata.azimuth_deg.clone());
+                metadata.with_errors(of(elevation_deg, azimuth_deg, metadata.beam_origin_m[0]))
+            }
+            Sensor::Velodyne { model, step_deg, rings } => {
+                let elevation_deg = rings.iter().map(|laser| model.elevation_deg(*laser)).collect();
+                let right_deg = rings.iter().map(|laser| model.right_deg(*laser, *step_deg)).collect();
+                model.with_errors(of(elevation_deg, right_deg, 0.0))
+            }
+        }
+    }
+
+    /// Adds a packet, and calls `row` for each of its firings. One that comes after a later one is lost.
+    pub fn push(&mut self, packet: &[u8], mut row: impl FnMut(FiringRow<'_>)) {
+        let FiringRows { sensor, last_deg, range_m, lost, other_packets } = self;
+        let mut came = 0;
+        let mut take = |deg: f64, step_deg: f64, range_m: &[f32]| {
+            came += 1;
+            let moved_deg = last_deg.map(|last_deg| (deg - last_deg).rem_euclid(360.0));
+            let late = moved_deg.is_some_and(|moved_deg| moved_deg > 360.0 - BLIND_DEG);
+            if late {
+                *lost += 1;
+                return;
+            }
+            let missing = moved_deg.filter(|moved_deg| (GAP_STEPS * step_deg..BLIND_DEG).contains(moved_deg));
+            *lost += missing.map_or(0, |moved_deg| (moved_deg / step_deg).round() as u64 - 1);
+            let begins_turn = last_deg.is_none_or(|last_deg| deg < last_deg);
+            *last_deg = Some(deg);
+            row(FiringRow { turn_deg: -deg, begins_turn, range_m });
+        };
+        match sensor {
+            Sensor::Ouster(metadata) => {
+                let step_deg = 360.0 / metadata.columns as f64;
+                for column in columns(metadata, packet) {
+                    let out_m = metadata.beam_origin_m[0].hypot(metadata.beam_origin_m[1]);
+                    range_m.clear();
+                    range_m.extend(column.ranges_mm().map(|mm| match mm {
+                        0 => 0.0,
+                        mm => (f64::from(mm) / 1000.0 - out_m).max(0.0) as f32,
+                    }));
+                    take(column.column as f64 * step_deg, step_deg, range_m);
+                }
+            }
+            Sensor::Velodyne { model, rings, .. } => {
+                for firing in firings(*model, packet) {
+                    let metres = |laser: &usize| (f64::from(firing.counts[*laser]) * model.unit_m()) as f32;
+                    range_m.clear();
+                    range_m.extend(rings.iter().map(metres));
+                    take(firing.azimuth_deg, firing.step_deg.max(0.01), range_m);
+                }
+            }
+        }
+        if came == 0 {
+            *other_packets += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lidar::made_up::velodyne_packet;
+    use crate::lidar::turns::Turns;
+
+    /// Where the points of rows lie.
+    fn points(rows: &FiringRows, turn_deg: f64, range_m: &[f32]) -> Vec<[f64; 3]> {
+        let mut geometry = rows.geometry();
+        let Kind::Nodding { turn_deg: turns, .. } = &mut geometry.kind else { panic!() };
+        *turns = Angles::Listed(vec![turn_deg]);
+        let point = |(column, range_m): (usize, &f32)| {
+            let (origin, direction) = (geometry.origin(0, column), geometry.direction(0, column));
+            [0, 1, 2].map(|i| origin[i] + direction[i] * f64::from(*range_m))
+        };
+        range_m.iter().enumerate().map(point).collect()
+    }
+
+    #[test]
+    fn firings_lie_where_the_image_of_the_turn_has_them() {
+        for model in [Model::Vlp16, Model::Vlp32c] {
+            let packets: Vec<Vec<u8>> =
+                (0..76).map(|i| velodyne_packet(model, ((i * 12 * 40) % 36000) as u16, 40, false)).collect();
+            let mut rows = FiringRows::of(&packets[0], None).unwrap();
+            let mut found = vec![];
+            for packet in &packets[..75] {
+                let mut came = vec![];
+                rows.push(packet, |row| came.push((row.turn_deg, row.range_m.to_vec())));
+                found.extend(came);
+            }
+            assert_eq!((rows.lost, found.len()), (0, 75 * 12 * 32 / model.lasers()));
+            let mut turns = Turns::new(model);
+            let turn = packets.iter().find_map(|packet| turns.push(packet)).unwrap();
+            let (image, geometry) = turn.image();
+            let step_deg = 0.4 * model.lasers() as f64 / 32.0;
+            for (from, (turn_deg, range_m)) in found.iter().enumerate() {
+                for (ring, point) in points(&rows, *turn_deg, range_m).into_iter().enumerate() {
+                    let right_deg = model.right_deg(model.rings()[ring], step_deg);
+                    let to = (from as f64 + (right_deg / step_deg).round()).rem_euclid(image.columns as f64) as usize;
+                    let m = f64::from(image.range_m[ring * image.columns + to]);
+                    let same = geometry.direction(ring, to).map(|u| u * m);
+                    assert!((0..3).all(|i| (point[i] - same[i]).abs() < 1e-5), "{from} {ring}: {point:?} {same:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_lost_and_where_turns_begin_is_said() {
+        let packet = |azimuth: u32| velodyne_packet(Model::Vlp32c, (azimuth % 36000) as u16, 40, false);
+        let mut rows = FiringRows::of(&packet(0), None).unwrap();
+        let mut begun = vec![];
+        let mut count = 0;
+        // one is lost, one comes late
+        for azimuth in [35000, 35960, 36440, 35960, 36920] {
+            rows.push(&packet(azimuth), |row| {
+                if row.begins_turn {
+                    begun.push(count);
+                }
+                count += 1;
+            });
+        }
+        rows.push(&[0; 512], |_| panic!("no packet"));
+        assert_eq!((rows.lost, rows.other_packets, count), (12 + 12, 1, 48));
+        assert_eq!(begun, [0, 13]);
+        assert!(FiringRows::of(&[0; 1206], None).is_err());
+    }
+}

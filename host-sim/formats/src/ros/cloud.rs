@@ -1,0 +1,116 @@
+//! Organised clouds: PointCloud2.
+
+use crate::cloud::Cloud;
+use crate::file::Cause;
+use crate::ros::cdr::decode;
+use crate::ros::messages::{PointCloud2, PointField};
+use crate::scan::{ReadOptions, Scan};
+use crate::scan_error::ScanError;
+
+const FORMAT: &str = "PointCloud2";
+
+/// Returns the scan of a message.
+pub fn scan(name: String, data: &[u8], options: &ReadOptions) -> Result<Scan, Cause> {
+    points(&decode(FORMAT, data)?)?.into_scan(name, options)
+}
+
+fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
+    let [rows, columns, point_step, row_step] =
+        [message.height, message.width, message.point_step, message.row_step].map(|n| n as usize);
+    let pixels = ScanError::check_pixels(rows, columns)?;
+    let readers = ["x", "y", "z"].map(|axis| reader(&message.fields, axis, message.is_bigendian));
+    let [Some(x), Some(y), Some(z)] = readers else {
+        return Err(ScanError::lacks(FORMAT, "x, y and z in floating point"));
+    };
+    let last = (rows - 1).checked_mul(row_step).and_then(|start| start.checked_add(columns.checked_mul(point_step)?));
+    let long = columns.checked_mul(point_step).is_some_and(|bytes| bytes <= row_step || rows == 1);
+    if !long || last.is_none_or(|end| end > message.data.len()) {
+        return Err(ScanError::damaged(FORMAT, "its rows are longer than its data"));
+    }
+    let mut points = Vec::with_capacity(pixels);
+    for row in 0..rows {
+        for column in 0..columns {
+            let point = &message.data[row * row_step + column * point_step..][..point_step];
+            points.push([&x, &y, &z].map(|read| read(point).unwrap_or(f32::NAN)));
+        }
+    }
+    Ok(Cloud { rows, columns, points })
+}
+
+type Coordinate = Box<dyn Fn(&[u8]) -> Option<f32>>;
+
+/// Returns what reads a coordinate of a point.
+fn reader(fields: &[PointField], name: &str, big: bool) -> Option<Coordinate> {
+    let field = fields.iter().find(|field| field.name == name)?;
+    let at = field.offset as usize;
+    match (field.datatype, big) {
+        (7, false) => Some(Box::new(move |point| Some(f32::from_le_bytes(*point.get(at..)?.first_chunk()?)))),
+        (7, true) => Some(Box::new(move |point| Some(f32::from_be_bytes(*point.get(at..)?.first_chunk()?)))),
+        (8, false) => Some(Box::new(move |point| Some(f64::from_le_bytes(*point.get(at..)?.first_chunk()?) as f32))),
+        (8, true) => Some(Box::new(move |point| Some(f64::from_be_bytes(*point.get(at..)?.first_chunk()?) as f32))),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ros::made_up;
+    use crate::ros::messages::Header;
+
+    fn message(data: &[u8]) -> PointCloud2<'_> {
+        let field = |name: &str, offset| PointField { name: name.into(), offset, datatype: 7, count: 1 };
+        PointCloud2 {
+            header: Header::default(),
+            height: 2,
+            width: 3,
+            fields: vec![field("x", 0), field("intensity", 12), field("z", 8), field("y", 4)],
+            is_bigendian: false,
+            point_step: 16,
+            row_step: 50,
+            data,
+        }
+    }
+
+    fn data() -> Vec<u8> {
+        let mut data = vec![];
+        for row in 0..2 {
+            for column in 0..3 {
+                let point = [1.0 + row as f32, column as f32, 0.5, 9.0];
+                data.extend(point.iter().flat_map(|x| x.to_le_bytes()));
+            }
+            data.extend([0; 2]);
+        }
+        data
+    }
+
+    #[test]
+    fn points_lie_in_their_rows() {
+        let data = data();
+        let bytes = made_up::cdr(&message(&data));
+        let scan = scan("x".into(), &bytes, &ReadOptions::default()).unwrap();
+        assert_eq!((scan.image.rows, scan.image.columns, scan.measured), (2, 3, 6));
+        assert!((scan.image.range_m[5] - (4.0f32 + 4.0 + 0.25).sqrt()).abs() < 1e-6);
+        assert!((scan.geometry.direction(1, 2)[1] - 2.0 / 8.25f64.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn false_claims_are_refused() {
+        let data = data();
+        let refused = |change: fn(&mut PointCloud2<'_>)| {
+            let mut message = message(&data);
+            change(&mut message);
+            points(&message).map(|_| ()).unwrap_err().to_string()
+        };
+        assert!(refused(|m| m.row_step = 60).contains("longer than its data"));
+        assert!(refused(|m| m.row_step = 40).contains("longer than its data"));
+        assert!(refused(|m| m.point_step = u32::MAX).contains("longer than its data"));
+        assert!(refused(|m| m.width = u32::MAX).contains("pixels"));
+        assert!(refused(|m| m.fields[0].datatype = 5).contains("x, y and z"));
+        assert!(refused(|m| m.fields.clear()).contains("x, y and z"));
+        // a field beyond the point is no coordinate
+        let mut beyond = message(&data);
+        beyond.fields[0].offset = 14;
+        assert!(points(&beyond).unwrap().points.iter().all(|point| point[0].is_nan()));
+    }
+}

@@ -1,0 +1,35 @@
+//! The points of a scan with the colour and the number of their segment, organised.
+
+use crate::export::Segmented;
+use crate::picture::label_colour;
+
+/// Returns a binary PCD file with HEIGHT rows of WIDTH columns: x, y, z in metres, nan where there is no
+/// return; rgb as the Point Cloud Library packs it; label, 0 for no segment.
+pub fn pcd(scan: &Segmented<'_>) -> Vec<u8> {
+    let (rows, columns) = (scan.image.rows, scan.image.columns);
+    let mut bytes = format!(
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb label\nSIZE 4 4 4 4 4\n\
+         TYPE F F F F U\nCOUNT 1 1 1 1 1\nWIDTH {columns}\nHEIGHT {rows}\nVIEWPOINT 0 0 0 1 0 0 0\n\
+         POINTS {}\nDATA binary\n",
+        rows * columns
+    )
+    .into_bytes();
+    (0..rows * columns).for_each(|pixel| bytes.extend(record(scan, pixel)));
+    bytes
+}
+
+/// Bytes of a point in [`record`].
+pub(super) const RECORD_BYTES: usize = 20;
+
+/// Returns x, y, z, rgb and label of a pixel, little end first.
+pub(super) fn record(scan: &Segmented<'_>, pixel: usize) -> [u8; RECORD_BYTES] {
+    let label = scan.numbers[pixel];
+    let [red, green, blue] = label_colour(label);
+    let point = scan.point(pixel).map_or([f32::NAN; 3], |point| point.map(|x| x as f32));
+    let words = [point[0].to_bits(), point[1].to_bits(), point[2].to_bits(), u32::from_be_bytes([0, red, green, blue])];
+    let mut bytes = [0; RECORD_BYTES];
+    for (to, word) in bytes.chunks_exact_mut(4).zip(words.into_iter().chain([label])) {
+        to.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
+}
