@@ -73,7 +73,7 @@ fn segment_writes_images_and_lists_that_agree() {
 
     let csv = fs::read_to_string(out.join("segments.csv")).unwrap();
     let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    assert!(lines.iter().all(|line| line.len() == 30), "{csv}");
+    assert!(lines.iter().all(|line| line.len() == 31), "{csv}");
     assert_eq!(lines[0][..2], ["label", "pixels"]);
     let json = json(out.join("segments.json"));
     let segments = json["segments"].as_array().unwrap();
