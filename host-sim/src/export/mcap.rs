@@ -27,7 +27,7 @@ const FRAME: &str = "scanner";
 type Failure = Box<dyn std::error::Error>;
 
 /// Returns a recording, rows 20 ms apart: on `/rows` each row as a cloud; on `/planes` each segment as
-/// a marker when the row after its last one has come, its outline filled with its colour, its number
+/// a marker when the row after its last one has come, its outline filled with its colour, its label
 /// as the id; on `/points` at the end the whole organised cloud. All clouds are
 /// `sensor_msgs/msg/PointCloud2` with x, y, z, rgb and label.
 ///
@@ -110,14 +110,14 @@ fn cloud(scan: &Segmented<'_>, rows: std::ops::Range<usize>, header: Header) -> 
 /// Returns triangles from the first corner of an outline to each of its other sides.
 fn marker(segment: usize, outline: &Outline, header: Header) -> Marker {
     const TRIANGLE_LIST: i32 = 11;
-    let number = segment as u32 + 1;
-    let [r, g, b] = label_colour(number).map(|value| f32::from(value) / 255.0);
+    let label = segment as u32 + 1;
+    let [r, g, b] = label_colour(label).map(|value| f32::from(value) / 255.0);
     let corners: Vec<Point> = outline.corners_m.iter().map(|&[x, y, z]| Point { x, y, z }).collect();
     let none = Time { sec: 0, nanosec: 0 };
     Marker {
         header,
         ns: "planes",
-        id: number as i32,
+        id: label as i32,
         r#type: TRIANGLE_LIST,
         action: 0,
         pose: Pose {

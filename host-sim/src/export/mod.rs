@@ -19,7 +19,7 @@ use scanseg_formats::{Geometry, RangeImage};
 /// A segmented scan.
 #[derive(Clone, Copy)]
 pub struct Segmented<'a> {
-    /// Its ranges.
+    /// Its ranges, without what is no return.
     pub image: &'a RangeImage,
     /// Its beams.
     pub geometry: &'a Geometry,
@@ -27,31 +27,24 @@ pub struct Segmented<'a> {
     pub ranging: &'a Ranging,
     /// The noise at the range of each pixel, metres; empty for that of `ranging`.
     pub range_noise_m: &'a [f32],
-    /// The number of the segment of each pixel, from 1 on; 0 for none.
-    pub numbers: &'a [u32],
-    /// The segments: number 1, 2, 3, ...
+    /// The label of the segment of each pixel, from 1 on; 0 for none.
+    pub labels: &'a [u32],
+    /// The segments: label 1, 2, 3, ...
     pub segments: &'a [Segment],
 }
 
 impl Segmented<'_> {
-    /// Returns where the beam of a pixel starts and its direction.
-    fn beam(&self, pixel: usize) -> ([f64; 3], [f64; 3]) {
-        let (row, column) = (pixel / self.image.columns, pixel % self.image.columns);
-        (self.geometry.origin(row, column), self.geometry.direction(row, column))
-    }
-
     /// Returns the point of a pixel; none where it has no range.
-    pub fn point(&self, pixel: usize) -> Option<[f64; 3]> {
-        let range_m = f64::from(self.image.range_m[pixel]);
-        let (origin, direction) = self.beam(pixel);
-        (range_m > 0.0).then(|| [0, 1, 2].map(|i| origin[i] + range_m * direction[i]))
+    pub fn point_m(&self, pixel: usize) -> Option<[f64; 3]> {
+        let (range_m, columns) = (self.image.range_m[pixel], self.image.columns);
+        (range_m > 0.0).then(|| point_m(self.geometry, pixel / columns, pixel % columns, range_m))
     }
 
     /// Returns the pixels of each segment.
     fn pixels(&self) -> Vec<Vec<usize>> {
         let mut pixels = vec![vec![]; self.segments.len()];
-        for (pixel, &number) in self.numbers.iter().enumerate() {
-            if let Some(segment) = (number as usize).checked_sub(1) {
+        for (pixel, &label) in self.labels.iter().enumerate() {
+            if let Some(segment) = (label as usize).checked_sub(1) {
                 pixels[segment].push(pixel);
             }
         }
@@ -62,7 +55,7 @@ impl Segmented<'_> {
     pub fn outlines(&self) -> Vec<Option<Outline>> {
         let pixels = self.pixels();
         let outline = |(segment, pixels): (&Segment, &Vec<usize>)| {
-            Outline::of(&segment.plane()?, pixels.iter().filter_map(|&pixel| self.point(pixel)))
+            Outline::of(&segment.plane()?, pixels.iter().filter_map(|&pixel| self.point_m(pixel)))
         };
         self.segments.iter().zip(&pixels).map(outline).collect()
     }
@@ -72,6 +65,13 @@ impl Segmented<'_> {
         let pixels = self.pixels();
         self.segments.iter().zip(&pixels).map(|(segment, pixels)| Planarity::of(self, segment, pixels)).collect()
     }
+}
+
+/// Returns the point of a pixel with a return, metres. Listed angles must have an entry for it, see
+/// [`Geometry::fits`].
+pub fn point_m(geometry: &Geometry, row: usize, column: usize, range_m: f32) -> [f64; 3] {
+    let (origin, direction) = (geometry.origin(row, column), geometry.direction(row, column));
+    [0, 1, 2].map(|axis| origin[axis] + direction[axis] * f64::from(range_m))
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

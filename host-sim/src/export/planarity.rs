@@ -51,12 +51,12 @@ impl Planarity {
         let normal = plane.normal.map(f64::from);
         let beam_rad = f64::from(scan.ranging.beam_noise_rad.max(Rules::TUNED.least_beam_rad));
         let flatness_m = f64::from(scan.ranging.flatness_m);
-        let mut sum_m2 = 0.0;
+        let (mut sum_m2, columns) = (0.0, scan.image.columns);
         for &pixel in pixels {
             let range_m = scan.image.range_m[pixel];
             let noise_m =
                 scan.range_noise_m.get(pixel).copied().unwrap_or_else(|| stated_noise_m(scan.ranging, range_m));
-            let facing = dot(normal, scan.beam(pixel).1).powi(2).min(1.0);
+            let facing = dot(normal, scan.geometry.direction(pixel / columns, pixel % columns)).powi(2).min(1.0);
             let aside_m2 = (f64::from(range_m) * beam_rad).powi(2);
             sum_m2 += f64::from(noise_m).powi(2) * facing + aside_m2 * (1.0 - facing) + flatness_m * flatness_m;
         }
