@@ -6,7 +6,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
-use scanseg_sim::export::{Segmented, point_m, points};
+use scanseg_sim::export::{Segmented, planarities_of, point_m, points};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::exports::ExportOptions;
@@ -100,7 +100,7 @@ pub fn segment(
         segments: segmentation.of_pixels(lists.min_pixels),
     };
     let mut listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
-    listing.set_planarities(&segmented.planarities());
+    listing.set_planarities(&planarities_of(&segmented));
     let labels_png = labels_png(input, &labels, &listing)?;
     let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
     let shown =

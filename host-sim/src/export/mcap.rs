@@ -9,12 +9,13 @@ use mcap::records::MessageHeader;
 use mcap::{WriteOptions, Writer};
 use serde::Serialize;
 
+use crate::export::outline::{Outline, outlines_of};
 use crate::export::points::{RECORD_BYTES, record};
 use crate::export::ros::{
     ColorRgba, CompressedImage, Header, MARKER_ARRAY, Marker, MarkerArray, MeshFile, POINT_CLOUD2, Point, PointCloud2,
     PointField, Pose, Quaternion, Time,
 };
-use crate::export::{Outline, Segmented};
+use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
 /// From a row to the next. The scan does not say how fast its scanner was.
@@ -43,7 +44,7 @@ pub fn mcap(scan: &Segmented<'_>) -> Result<Vec<u8>, Failure> {
     let mut topic = |schema, name| recording.writer.add_channel(schema, name, "cdr", &BTreeMap::new());
     let [rows_topic, planes, points] = [topic(clouds, "/rows")?, topic(markers, "/planes")?, topic(clouds, "/points")?];
 
-    let outlines = scan.outlines();
+    let outlines = outlines_of(scan);
     let mut ended: Vec<Vec<usize>> = vec![vec![]; rows + 1];
     (0..outlines.len()).for_each(|i| ended[(usize::from(scan.segments[i].last_row) + 1).min(rows)].push(i));
     for row in 0..=rows {

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::export::{Outline, Segmented};
+use crate::export::outline::{Outline, outlines_of};
+use crate::export::planarity::planarities_of;
+use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
 /// What is written of a segment that has an outline.
@@ -58,7 +60,7 @@ struct FeatureCollection<'a> {
 impl Outlines {
     /// Returns the outlines of a scan. Segments without one are left out.
     pub fn of(scan: &Segmented<'_>) -> Outlines {
-        let (outlines, planarities) = (scan.outlines(), scan.planarities());
+        let (outlines, planarities) = (outlines_of(scan), planarities_of(scan));
         let mut list = vec![];
         for (i, (segment, outline)) in scan.segments.iter().zip(outlines).enumerate() {
             let Some((plane, outline)) = segment.plane().zip(outline) else { continue };

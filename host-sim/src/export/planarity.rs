@@ -2,7 +2,7 @@
 
 use scanseg_core::{Rules, Segment};
 
-use crate::export::{Segmented, dot};
+use crate::export::segmented::{Segmented, dot};
 use crate::segmentation::stated_noise_m;
 
 /// From so many times the noise on points do not lie on a plane.
@@ -44,7 +44,7 @@ impl Verdict {
 
 impl Planarity {
     /// Returns how planar a segment of these pixels is.
-    pub(super) fn of(scan: &Segmented<'_>, segment: &Segment, pixels: &[usize]) -> Planarity {
+    fn of(scan: &Segmented<'_>, segment: &Segment, pixels: &[usize]) -> Planarity {
         let Some(plane) = segment.plane() else {
             return Planarity { residual_per_noise: None, verdict: Verdict::Uncertain };
         };
@@ -71,4 +71,9 @@ impl Planarity {
         };
         Planarity { residual_per_noise: residual, verdict }
     }
+}
+
+/// Returns how planar each segment is.
+pub fn planarities_of(scan: &Segmented<'_>) -> Vec<Planarity> {
+    scan.segments.iter().zip(&scan.pixels()).map(|(segment, pixels)| Planarity::of(scan, segment, pixels)).collect()
 }

@@ -1,6 +1,6 @@
 //! The points of a scan with the colour and the label of their segment, organised.
 
-use crate::export::Segmented;
+use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
 /// Returns a binary PCD file with HEIGHT rows of WIDTH columns: x, y, z in metres, nan where there is no
