@@ -8,6 +8,7 @@ mod exports;
 mod input;
 mod listen;
 mod lists;
+mod live;
 mod messages;
 mod noise;
 mod office;
@@ -52,6 +53,7 @@ enum Command {
     Rig(rig::Arguments),
     Replay(replay::Arguments),
     Listen(listen::Arguments),
+    Live(live::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr. A reader of stdout that has gone
@@ -89,6 +91,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Listen(arguments) => listen::run(&arguments),
+        Command::Live(arguments) => live::run(&arguments),
     }
 }
 

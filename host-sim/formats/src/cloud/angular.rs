@@ -2,8 +2,7 @@
 
 use crate::angles::Angles;
 use crate::beside::Beside;
-use crate::cloud::length;
-use crate::cloud::recognise::{Arrangement, Deviation, median};
+use crate::cloud::fit::{Arrangement, Deviation, length, median};
 use crate::geometry::{Kind, TurnAxis};
 
 /// Points as angles, radians; NaN where nothing was measured.

@@ -2,6 +2,7 @@
 
 mod angular;
 pub(crate) mod e57;
+mod fit;
 mod lzf;
 pub(crate) mod number;
 pub(crate) mod pcd;
@@ -9,6 +10,7 @@ mod pinhole;
 pub(crate) mod ply;
 mod recognise;
 
+use crate::cloud::fit::length;
 use crate::cloud::pinhole::{FORWARD, GRAPHICS, OPTICAL};
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
@@ -72,10 +74,4 @@ impl Cloud {
         self.points.iter_mut().for_each(|point| *point = turned(*point));
         vec![format!("its axes are those of a camera ({axes}); in the results x is forward, y left, z up")]
     }
-}
-
-/// Returns the distance of a point.
-fn length(point: &[f32; 3]) -> f64 {
-    let squares = point.map(|x| f64::from(x) * f64::from(x));
-    squares.iter().sum::<f64>().sqrt()
 }

@@ -1,5 +1,6 @@
 //! PLY files whose comments or range grid say how the points lie in rows and columns.
 
+use std::borrow::Cow;
 use std::io::{BufRead, Cursor};
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -25,8 +26,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
     if cells != pixels {
         return Err(ScanError::damaged(PLY, format!("{rows} rows x {columns} columns are not {cells} points")));
     }
-    let left = bytes.len() - reader.get_ref().position() as usize;
-    check_counts(&header, left)?;
+    let data = &bytes[reader.get_ref().position() as usize..];
+    check_counts(&header, data.len())?;
+    let data = if header.encoding == Encoding::Ascii { Cow::from(numbers_only(data)) } else { Cow::from(data) };
+    let mut reader = Reader::new(&*data);
     let (mut vertices, mut indices) = (vec![], None);
     for (name, element) in &header.elements {
         match name.as_str() {
@@ -50,6 +53,21 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
         }
     };
     Ok(Cloud { rows, columns, points })
+}
+
+/// Returns a text in which what is not a number is 0, which the parser takes: a point in the origin
+/// was not measured either.
+fn numbers_only(text: &[u8]) -> Vec<u8> {
+    let mut text = text.to_vec();
+    let mut at = 0;
+    while at + 3 <= text.len() {
+        if [b"nan", b"inf"].iter().any(|word| text[at..at + 3].eq_ignore_ascii_case(*word)) {
+            text[at..at + 3].fill(b'0');
+            at += 2;
+        }
+        at += 1;
+    }
+    text
 }
 
 fn damaged(e: ParseError) -> ScanError {

@@ -68,6 +68,14 @@ impl FiringRows {
         Ok(FiringRows { sensor, last_deg: None, range_m: vec![], lost: 0, other_packets: 0 })
     }
 
+    /// Returns the rings, which are the columns of a row.
+    pub fn columns(&self) -> usize {
+        match &self.sensor {
+            Sensor::Ouster(metadata) => metadata.rings(),
+            Sensor::Velodyne { rings, .. } => rings.len(),
+        }
+    }
+
     /// Returns where the beams point, with the turn left out, and what is known of the errors.
     pub fn geometry(&self) -> Geometry {
         let of = |elevation_deg: Vec<f64>, right_deg: Vec<f64>, lever_arm_m| {

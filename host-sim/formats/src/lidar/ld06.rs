@@ -4,12 +4,13 @@
 //! file of kind "nodding" says that (`turn_deg`, `turn_axis`, `lever_arm_m`); without one it is taken
 //! to stand upright and to be panned by a degree a turn of its mirror.
 
+use std::path::Path;
+
 use scanseg_hal::ld06::{LENGTH, Ld06, Model, Packet};
 use scanseg_hal::scanner::{LineEvent, LineScanner, Row, RowMemory, View};
 
 use crate::angles::Angles;
-use crate::beside::Beside;
-use crate::file::Cause;
+use crate::file::{Cause, FileError};
 use crate::geometry::{Geometry, Kind, TurnAxis};
 use crate::range_image::RangeImage;
 use crate::scan::{ReadOptions, Scan};
@@ -18,13 +19,13 @@ use crate::sensors::Sensor;
 use crate::streamed::scan_of;
 
 /// The most beams of a turn: an STL-27L at 5 turns a second has 4320.
-const MAX_BEAMS: usize = 8192;
+pub const MAX_BEAMS: usize = 8192;
 /// The longest file that is read.
 pub(crate) const MAX_BYTES: u64 = 1 << 28;
 const FORMAT: &str = "bytes of an LD06";
 
 /// Returns the scanner whose packets follow each other in these bytes.
-pub(crate) fn model(bytes: &[u8]) -> Option<Model> {
+pub fn model(bytes: &[u8]) -> Option<Model> {
     let is_packet = |at: usize, model| {
         let packet = bytes.get(at..).and_then(|rest| rest.first_chunk());
         packet.is_some_and(|packet| packet.starts_with(&[0x54, 0x2C]) && Packet::new(*packet, model).is_ok())
@@ -33,36 +34,48 @@ pub(crate) fn model(bytes: &[u8]) -> Option<Model> {
     [Model::Ld06, Model::Stl27l].into_iter().find(|model| follow(*model))
 }
 
-/// The turns of the mirror, all of the same number of beams: the median.
-struct Turns {
-    columns: usize,
-    step_deg: f64,
-    range_m: Vec<f32>,
-    /// By how much the beams of each row lie beside their columns, degrees.
-    offsets_deg: Vec<f64>,
+/// Returns where the beams of an LD06 point, in so many columns from behind on to the right, and what is
+/// to be said of that. The file is a geometry file of kind "nodding": its turns, its axis and its lever
+/// arm are taken.
+///
+/// # Errors
+/// What [`Geometry::read`] says; [`ScanError::Lacks`] if the file is of another kind.
+pub fn geometry(file: Option<&Path>, columns: usize) -> Result<(Geometry, Option<String>), FileError> {
+    let (turn_deg, turn_axis, lever_arm_m, remark) = match file {
+        Some(path) => {
+            let Geometry { kind, beside, .. } = Geometry::read(path)?;
+            let Kind::Nodding { turn_deg, turn_axis, .. } = kind else {
+                return Err(FileError::new(
+                    path,
+                    ScanError::lacks("a geometry file for an LD06", "the kind \"nodding\""),
+                ));
+            };
+            (turn_deg, turn_axis, beside.lever_arm_m, None)
+        }
+        None => {
+            let taken = "taken as upright and panned by 1 degree a turn of its mirror; a geometry file says otherwise";
+            (Angles::Even { start_deg: 0.0, step_deg: 1.0 }, TurnAxis::Z, 0.0, Some(taken.into()))
+        }
+    };
+    let beam_deg = Angles::Even { start_deg: 180.0, step_deg: -360.0 / columns as f64 };
+    let mut geometry = Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis });
+    geometry.beside.lever_arm_m = lever_arm_m;
+    if let Some(sensor) = Sensor::named("ld06") {
+        geometry.range_noise_m = Some(sensor.range_noise_m());
+        geometry.noise = sensor.noise();
+    }
+    Ok((geometry, remark))
 }
 
-impl Turns {
-    /// Puts the beams of each turn into the nearest column.
-    fn new(rows: &[(Vec<f32>, Vec<f32>)]) -> Result<Turns, ScanError> {
-        let mut beams: Vec<usize> = rows.iter().map(|(angles_rad, _)| angles_rad.len()).collect();
-        beams.sort_unstable();
-        let Some(&columns) = beams.get(beams.len() / 2) else {
-            return Err(ScanError::lacks(FORMAT, "a whole turn of the mirror"));
-        };
-        let pixels = ScanError::check_pixels(rows.len(), columns)?;
-        let step_deg = -360.0 / columns as f64;
-        let mut turns = Turns { columns, step_deg, range_m: vec![0.0; pixels], offsets_deg: vec![] };
-        let mut true_rad = vec![0.0; columns];
-        for ((angles_rad, ranges_m), range_m) in rows.iter().zip(turns.range_m.chunks_exact_mut(columns)) {
-            let offset_deg = offset_deg(angles_rad, step_deg.abs());
-            let row = Row { angles_rad, ranges_m, end_us: 0, mirror_turn_us: 0.0, merged_turns: 1, first_turn: 0 };
-            let start_rad = (180.0 + offset_deg).to_radians() as f32;
-            row.to_columns(start_rad, step_deg.to_radians() as f32, &mut true_rad, range_m);
-            turns.offsets_deg.push(offset_deg);
-        }
-        Ok(turns)
-    }
+/// Puts the beams of a turn of the mirror into the columns of [`geometry`], 0 where none falls. Returns
+/// by how much all of them lie beside their columns, degrees: the row's offset. `angles_rad` is scratch
+/// for a number per column.
+pub fn to_columns(row: &Row<'_>, angles_rad: &mut [f32], range_m: &mut [f32]) -> f64 {
+    let step_deg = 360.0 / range_m.len() as f64;
+    let offset_deg = offset_deg(row.angles_rad, step_deg);
+    let start_rad = (180.0 + offset_deg).to_radians() as f32;
+    row.to_columns(start_rad, -step_deg.to_radians() as f32, angles_rad, range_m);
+    offset_deg
 }
 
 /// Returns the scan of raw bytes.
@@ -77,46 +90,36 @@ pub(crate) fn scan(name: String, bytes: &[u8], options: &ReadOptions) -> Result<
         match event {
             LineEvent::NeedMore => break,
             LineEvent::Row => {
-                let whole = scanner.row().filter(|row| is_turn(row.angles_rad));
+                let whole = scanner.row().filter(is_turn);
                 rows.extend(whole.map(|row| (row.angles_rad.to_vec(), row.ranges_m.to_vec())));
             }
             LineEvent::Rejected(_) => {}
         }
     }
-    let counters = scanner.counters();
-    let Turns { columns, step_deg, range_m, offsets_deg } = Turns::new(&rows)?;
-    let mut remarks = vec![];
-    if counters.lost > 0 {
-        remarks.push(format!("{} packets are missing", counters.lost));
-    }
-    let (turn_deg, turn_axis, lever_arm_m) = match &options.geometry {
-        Some(path) => {
-            let Geometry { kind, beside, .. } = Geometry::read(path)?;
-            let Kind::Nodding { turn_deg, turn_axis, .. } = kind else {
-                return Err(ScanError::lacks(FORMAT, "a geometry of kind \"nodding\"").into());
-            };
-            (turn_deg, turn_axis, beside.lever_arm_m)
-        }
-        None => {
-            let taken = "taken as upright and panned by 1 degree a turn of its mirror; a geometry file says otherwise";
-            remarks.push(taken.into());
-            (Angles::Even { start_deg: 0.0, step_deg: 1.0 }, TurnAxis::Z, 0.0)
-        }
+    let lost = scanner.counters().lost;
+    let mut beams: Vec<usize> = rows.iter().map(|(angles_rad, _)| angles_rad.len()).collect();
+    beams.sort_unstable();
+    let Some(&columns) = beams.get(beams.len() / 2) else {
+        return Err(ScanError::lacks(FORMAT, "a whole turn of the mirror").into());
     };
-    let beam_deg = Angles::Even { start_deg: 180.0, step_deg };
-    let mut geometry = Geometry::of(Kind::Nodding { beam_deg, turn_deg, turn_axis });
-    let row_offset_deg = Some(Angles::Listed(offsets_deg));
-    geometry.beside = Beside { row_offset_deg, lever_arm_m, ..Beside::NONE };
-    if let Some(sensor) = Sensor::named("ld06") {
-        geometry.range_noise_m = Some(sensor.range_noise_m());
-        geometry.noise = sensor.noise();
+    let mut range_m = vec![0.0; ScanError::check_pixels(rows.len(), columns)?];
+    let (mut true_rad, mut offsets_deg) = (vec![0.0; columns], vec![]);
+    for ((angles_rad, ranges_m), range_m) in rows.iter().zip(range_m.chunks_exact_mut(columns)) {
+        let row = Row { angles_rad, ranges_m, end_us: 0, mirror_turn_us: 0.0, merged_turns: 1, first_turn: 0 };
+        offsets_deg.push(to_columns(&row, &mut true_rad, range_m));
     }
+    let (mut geometry, remark) = geometry(options.geometry.as_deref(), columns)?;
+    geometry.beside.row_offset_deg = Some(Angles::Listed(offsets_deg));
     geometry.fits(rows.len(), columns)?;
+    let missing = (lost > 0).then(|| format!("{lost} packets are missing"));
+    let remarks = missing.into_iter().chain(remark).collect();
     scan_of(name, (RangeImage { rows: rows.len(), columns, range_m }, geometry), options, remarks)
 }
 
 /// Whether beams go round, but for a packet or two: those before the first row are a part of it.
-fn is_turn(angles_rad: &[f32]) -> bool {
+#[must_use]
+pub fn is_turn(row: &Row<'_>) -> bool {
+    let angles_rad = row.angles_rad;
     let ends = angles_rad.first().zip(angles_rad.last());
     ends.is_some_and(|(first_rad, last_rad)| (first_rad - last_rad).abs() > 330f32.to_radians())
 }

@@ -3,7 +3,7 @@
 mod datagrams;
 mod firings;
 mod ip;
-pub(crate) mod ld06;
+pub mod ld06;
 #[cfg(test)]
 mod made_up;
 mod ouster;
