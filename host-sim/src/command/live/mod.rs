@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
+use scanseg_formats::lidar::read_metadata;
 
 use crate::command::live::incoming::{Incoming, Next};
 use crate::command::live::report::Report;
@@ -49,10 +50,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let geometry = arguments.geometry.as_deref();
     match arguments.source.strip_prefix("udp:") {
         Some(address) => {
+            let metadata = geometry.map(read_metadata).transpose()?;
             let (incoming, bound) = Incoming::udp(address)?;
             print(&format!("listening on {bound}\n"))?;
             let mut packets = Packets { incoming, stop };
-            spinning::run(&mut packets, geometry, &arguments.options, &mut report)
+            spinning::run(&mut packets, metadata.as_ref(), &arguments.options, &mut report)
         }
         None => {
             let mut packets = Packets { incoming: Incoming::bytes(&arguments.source)?, stop };
