@@ -31,7 +31,8 @@ done
 
 run() { # target
     local target=$1 log executions edges features a_second
-    mkdir -p "corpus/$target"
+    # a new target has no seeds yet
+    mkdir -p "corpus/$target" "seeds/$target"
     log=$(mktemp)
     # What files claim must not make their readers take much more memory than they are long.
     # shellcheck disable=SC2046 # several words
