@@ -19,7 +19,7 @@ cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked --debug c
 # time, and so would tracing every comparison: fuzz/README.md.
 flags() { # target
     case $1 in
-    capi | files) ;;
+    capi | files | captures) ;;
     *) echo "--sanitizer none --no-trace-compares --target-dir target/plain" ;;
     esac
 }
@@ -31,7 +31,8 @@ done
 
 run() { # target
     local target=$1 log executions edges features a_second
-    mkdir -p "corpus/$target"
+    # a new target has no seeds yet
+    mkdir -p "corpus/$target" "seeds/$target"
     log=$(mktemp)
     # What files claim must not make their readers take much more memory than they are long.
     # shellcheck disable=SC2046 # several words
