@@ -24,7 +24,7 @@ use crate::command::output::{Failure, print};
 /// until it is segmented, and what was lost. Ctrl-C ends it with the turn so far.
 #[derive(Args)]
 pub struct Arguments {
-    /// udp:[ADDRESS:]PORT (Velodyne: 2368, Ouster: 7502), or the serial device of an LD06, which is set
+    /// udp:PORT or udp:ADDRESS:PORT (Velodyne: 2368, Ouster: 7502), or the serial device of an LD06, which is set
     /// up beforehand (stty -F DEVICE 230400 raw -echo); - for standard input
     source: String,
     /// Of an Ouster its metadata (JSON); of an LD06 a geometry file of kind "nodding", which says how
