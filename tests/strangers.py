@@ -198,7 +198,7 @@ for shown in json.loads((out / "outlines.geojson").read_text())["features"]:
     assert np.array_equal(ring[0], ring[-1]) and ring.shape[1] == 3
     assert np.allclose(ring @ shown["properties"]["normal"] + shown["properties"]["distance_m"], 0, atol=1e-4)
 corners = list(csv.DictReader((out / "outlines.csv").open()))
-assert {int(c["number"]) for c in corners} == {p["number"] for p in json.loads((out / "outlines.json").read_text())}
+assert {int(c["label"]) for c in corners} == {p["label"] for p in json.loads((out / "outlines.json").read_text())}
 
 from mcap_ros2.reader import read_ros2_messages
 

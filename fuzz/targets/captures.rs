@@ -34,7 +34,8 @@ fuzz_target!(|data: &[u8]| {
             let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
             let Ok(metadata) = Metadata::parse(&String::from_utf8_lossy(&data[..end])) else { return };
             let mut assembler = Assembler::new(metadata);
-            let packet: Vec<u8> = data[end..].iter().copied().cycle().take(assembler.metadata().packet_bytes()).collect();
+            let packet: Vec<u8> =
+                data[end..].iter().copied().cycle().take(assembler.metadata().packet_bytes()).collect();
             let done = assembler.push(&packet).into_iter().chain(assembler.finish());
             for frame in done {
                 let (image, geometry) = assembler.metadata().image(&frame);

@@ -2,7 +2,7 @@
 //! paper's experiment, and the pictures that the `scanseg` command writes.
 //!
 //! Modules use each other in one direction: the `scanseg` command, [`experiment`], [`overview`],
-//! [`point_cloud`] and [`picture`], [`segmentation`]. Files are read and written by [`scanseg_formats`]; the simulated
+//! [`export`] and [`picture`], [`segmentation`]. Files are read and written by [`scanseg_formats`]; the simulated
 //! scanner is `scanseg_virtual_rig`.
 
 pub mod experiment;
@@ -11,6 +11,5 @@ pub mod hoover;
 pub mod office;
 pub mod overview;
 pub mod picture;
-pub mod point_cloud;
 pub mod segmentation;
 pub mod timing;

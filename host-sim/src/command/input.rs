@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use scanseg_core::Ranging;
 use scanseg_formats::{
     CameraOptions, FileError, Geometry, GeometryError, RangeImage, ReadOptions, Scan, ScanError, ScanFile,
 };
@@ -113,6 +114,14 @@ impl Input {
         let options = ReadOptions { geometry: Some(geometry.into()), ..ReadOptions::default() };
         let mut file = ScanFile::open(scan, &options).map_err(failure)?;
         Ok(file.frame(0).map_err(failure)?.into())
+    }
+
+    /// Returns the ranges without what lies outside of the limits.
+    pub fn returns(&self, ranging: &Ranging) -> RangeImage {
+        let limits = ranging.min_range_m..=ranging.max_range_m;
+        let RangeImage { rows, columns, range_m } = &self.ranges;
+        let range_m = range_m.iter().map(|range_m| if limits.contains(range_m) { *range_m } else { 0.0 });
+        RangeImage { rows: *rows, columns: *columns, range_m: range_m.collect() }
     }
 
     /// Returns a line for each remark.

@@ -6,8 +6,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
-use scanseg_sim::export::Segmented;
-use scanseg_sim::point_cloud::point_m;
+use scanseg_sim::export::{Segmented, planarities_of, point_m, points};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 
 use crate::command::exports::ExportOptions;
@@ -91,21 +90,23 @@ pub fn segment(
 
     let labels = segmentation.numbers(lists.min_pixels);
     let stated = options.states_noise(&input.geometry);
+    let returns = input.returns(&config.ranging());
     let segmented = Segmented {
-        image: &input.ranges,
+        image: &returns,
         geometry: &input.geometry,
         ranging: &config.ranging(),
         range_noise_m: if stated { &[] } else { &segmentation.range_noise_m },
-        numbers: &labels,
+        labels: &labels,
         segments: segmentation.of_pixels(lists.min_pixels),
     };
     let mut listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
-    listing.set_planarities(&segmented.planarities());
+    listing.set_planarities(&planarities_of(&segmented));
     let labels_png = labels_png(input, &labels, &listing)?;
     let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
-    let shown = Shown { input, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
+    let shown =
+        Shown { input, scan: &returns, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
     let mut files = shown.pictures([&bearings[0], &bearings[1]], &listing.legend());
-    files.push(("points.ply", shown.point_cloud()));
+    files.push(("points.ply", points::ply(&segmented)));
     files.push(("labels.png", labels_png));
     let grey = |max_value, values| GreyImage { rows, columns, max_value, values }.to_png();
     if config.approach() != Approach::Plane {

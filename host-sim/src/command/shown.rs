@@ -1,9 +1,8 @@
-//! A segmented scan as pictures and as points.
+//! A segmented scan as pictures.
 
 use scanseg_core::{AnyConfig, Approach};
 use scanseg_formats::RangeImage;
 use scanseg_sim::overview::{Line, Panel, Segments, View, overlay, overview, segments};
-use scanseg_sim::point_cloud::ply;
 use scanseg_sim::segmentation::Segmentation;
 
 use crate::command::input::Input;
@@ -11,6 +10,8 @@ use crate::command::input::Input;
 /// What is shown.
 pub struct Shown<'a> {
     pub input: &'a Input,
+    /// Its returns.
+    pub scan: &'a RangeImage,
     pub config: &'a AnyConfig<'a>,
     pub segmentation: &'a Segmentation,
     /// Label of the listed segment that each pixel is in; 0 for none.
@@ -20,27 +21,12 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Returns the scan without what lies outside of the limits of the range.
-    fn returns(&self) -> RangeImage {
-        let ranging = self.config.ranging();
-        let limits = ranging.min_range_m..=ranging.max_range_m;
-        let RangeImage { rows, columns, range_m } = &self.input.ranges;
-        let range_m = range_m.iter().map(|range_m| if limits.contains(range_m) { *range_m } else { 0.0 });
-        RangeImage { rows: *rows, columns: *columns, range_m: range_m.collect() }
-    }
-
-    /// Returns the returns as points.
-    pub fn point_cloud(&self) -> Vec<u8> {
-        ply(&self.returns(), &self.input.geometry, self.labels)
-    }
-
     /// Returns the pictures with their names, of bearing angles along rows and along columns where
     /// the approach uses them.
     pub fn pictures(&self, [rows, columns]: [&[u16]; 2], lines: &[Line]) -> Vec<(&'static str, Vec<u8>)> {
-        let scan = self.returns();
-        let segmentation = self.segmentation;
+        let (scan, segmentation) = (self.scan, self.segmentation);
         let shown = Segments {
-            scan: &scan,
+            scan,
             view: View::of(&self.input.geometry, scan.rows, scan.columns),
             labels: self.labels,
             // what else has edges does not leave them out of segments

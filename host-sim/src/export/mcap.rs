@@ -9,12 +9,13 @@ use mcap::records::MessageHeader;
 use mcap::{WriteOptions, Writer};
 use serde::Serialize;
 
+use crate::export::outline::{Outline, outlines_of};
 use crate::export::points::{RECORD_BYTES, record};
 use crate::export::ros::{
     ColorRgba, CompressedImage, Header, MARKER_ARRAY, Marker, MarkerArray, MeshFile, POINT_CLOUD2, Point, PointCloud2,
     PointField, Pose, Quaternion, Time,
 };
-use crate::export::{Outline, Segmented};
+use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
 /// From a row to the next. The scan does not say how fast its scanner was.
@@ -27,7 +28,7 @@ const FRAME: &str = "scanner";
 type Failure = Box<dyn std::error::Error>;
 
 /// Returns a recording, rows 20 ms apart: on `/rows` each row as a cloud; on `/planes` each segment as
-/// a marker when the row after its last one has come, its outline filled with its colour, its number
+/// a marker when the row after its last one has come, its outline filled with its colour, its label
 /// as the id; on `/points` at the end the whole organised cloud. All clouds are
 /// `sensor_msgs/msg/PointCloud2` with x, y, z, rgb and label.
 ///
@@ -43,13 +44,13 @@ pub fn mcap(scan: &Segmented<'_>) -> Result<Vec<u8>, Failure> {
     let mut topic = |schema, name| recording.writer.add_channel(schema, name, "cdr", &BTreeMap::new());
     let [rows_topic, planes, points] = [topic(clouds, "/rows")?, topic(markers, "/planes")?, topic(clouds, "/points")?];
 
-    let outlines = scan.outlines();
+    let outlines = outlines_of(scan);
     let mut ended: Vec<Vec<usize>> = vec![vec![]; rows + 1];
     (0..outlines.len()).for_each(|i| ended[(usize::from(scan.segments[i].last_row) + 1).min(rows)].push(i));
-    for row in 0..=rows {
-        if !ended[row].is_empty() {
+    for (row, ended) in ended.iter().enumerate() {
+        if !ended.is_empty() {
             let marker = |&i: &usize| Some(marker(i, outlines[i].as_ref()?, header(row)));
-            let markers = ended[row].iter().filter_map(marker).collect();
+            let markers = ended.iter().filter_map(marker).collect();
             recording.write(planes, row, &MarkerArray { markers })?;
         }
         if row < rows {
@@ -110,14 +111,14 @@ fn cloud(scan: &Segmented<'_>, rows: std::ops::Range<usize>, header: Header) -> 
 /// Returns triangles from the first corner of an outline to each of its other sides.
 fn marker(segment: usize, outline: &Outline, header: Header) -> Marker {
     const TRIANGLE_LIST: i32 = 11;
-    let number = segment as u32 + 1;
-    let [r, g, b] = label_colour(number).map(|value| f32::from(value) / 255.0);
+    let label = segment as u32 + 1;
+    let [r, g, b] = label_colour(label).map(|value| f32::from(value) / 255.0);
     let corners: Vec<Point> = outline.corners_m.iter().map(|&[x, y, z]| Point { x, y, z }).collect();
     let none = Time { sec: 0, nanosec: 0 };
     Marker {
         header,
         ns: "planes",
-        id: number as i32,
+        id: label as i32,
         r#type: TRIANGLE_LIST,
         action: 0,
         pose: Pose {

@@ -1,9 +1,9 @@
 //! The outline of a segment on its plane.
 
-use scanseg_core::Plane;
+use scanseg_core::{Plane, Segment};
 
 use crate::export::convex::{area, hull};
-use crate::export::dot;
+use crate::export::segmented::{Segmented, dot};
 
 /// The convex hull, in the plane of a segment, of its points dropped onto the plane: holes and bays are
 /// filled.
@@ -18,7 +18,7 @@ pub struct Outline {
 
 impl Outline {
     /// Returns the outline of points; none of points on a line.
-    pub(super) fn of(plane: &Plane, points: impl Iterator<Item = [f64; 3]>) -> Option<Outline> {
+    fn of(plane: &Plane, points: impl Iterator<Item = [f64; 3]>) -> Option<Outline> {
         // the normal points to the scanner, from where anticlockwise is seen
         let (normal, distance_m) = (plane.normal.map(f64::from), f64::from(plane.distance_m));
         let length = dot(normal, normal).sqrt();
@@ -33,6 +33,14 @@ impl Outline {
         let area_m2 = area(&corners);
         Some(Outline { corners_m: corners.into_iter().map(in_space).collect(), area_m2 })
     }
+}
+
+/// Returns an outline for each segment; none of one without a plane, or whose points lie on a line.
+pub fn outlines_of(scan: &Segmented<'_>) -> Vec<Option<Outline>> {
+    let outline = |(segment, pixels): (&Segment, &Vec<usize>)| {
+        Outline::of(&segment.plane()?, pixels.iter().filter_map(|&pixel| scan.point_m(pixel)))
+    };
+    scan.segments.iter().zip(&scan.pixels()).map(outline).collect()
 }
 
 /// Returns two unit vectors across a third, such that the three are right-handed.

@@ -4,13 +4,15 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::export::{Outline, Segmented};
+use crate::export::outline::{Outline, outlines_of};
+use crate::export::planarity::planarities_of;
+use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
 /// What is written of a segment that has an outline.
 #[derive(Serialize)]
 struct Entry {
-    number: u32,
+    label: u32,
     pixels: u32,
     area_m2: f64,
     normal: [f32; 3],
@@ -58,12 +60,12 @@ struct FeatureCollection<'a> {
 impl Outlines {
     /// Returns the outlines of a scan. Segments without one are left out.
     pub fn of(scan: &Segmented<'_>) -> Outlines {
-        let (outlines, planarities) = (scan.outlines(), scan.planarities());
+        let (outlines, planarities) = (outlines_of(scan), planarities_of(scan));
         let mut list = vec![];
         for (i, (segment, outline)) in scan.segments.iter().zip(outlines).enumerate() {
             let Some((plane, outline)) = segment.plane().zip(outline) else { continue };
             let entry = Entry {
-                number: i as u32 + 1,
+                label: i as u32 + 1,
                 pixels: segment.pixels(),
                 area_m2: outline.area_m2,
                 normal: plane.normal,
@@ -89,16 +91,16 @@ impl Outlines {
 
     /// Returns a CSV file: a corner each.
     pub fn csv(&self) -> Vec<u8> {
-        let mut text = "number,corner,x_m,y_m,z_m\n".to_string();
+        let mut text = "label,corner,x_m,y_m,z_m\n".to_string();
         for (entry, outline) in &self.list {
             for (i, [x, y, z]) in outline.corners_m.iter().enumerate() {
-                let _ = writeln!(text, "{},{i},{x:.6},{y:.6},{z:.6}", entry.number);
+                let _ = writeln!(text, "{},{i},{x:.6},{y:.6},{z:.6}", entry.label);
             }
         }
         text.into_bytes()
     }
 
-    /// Returns an ASCII PLY file: a coloured face each, with the number of its segment as `label`.
+    /// Returns an ASCII PLY file: a coloured face each, with the label of its segment.
     pub fn ply(&self) -> Vec<u8> {
         let corners = || self.list.iter().flat_map(|(_, outline)| &outline.corners_m);
         let mut text = format!(
@@ -114,8 +116,8 @@ impl Outlines {
             let count = outline.corners_m.len();
             let _ = write!(text, "{count}");
             (first..first + count).for_each(|corner| _ = write!(text, " {corner}"));
-            let [red, green, blue] = label_colour(entry.number);
-            let _ = writeln!(text, " {red} {green} {blue} {}", entry.number);
+            let [red, green, blue] = label_colour(entry.label);
+            let _ = writeln!(text, " {red} {green} {blue} {}", entry.label);
             first += count;
         }
         text.into_bytes()
@@ -131,7 +133,7 @@ impl Outlines {
             let mut ring = outline.corners_m.clone();
             ring.push(ring[0]);
             let geometry = Geometry { r#type: "Polygon", coordinates: [ring] };
-            Feature { r#type: "Feature", id: entry.number, properties: entry, geometry }
+            Feature { r#type: "Feature", id: entry.label, properties: entry, geometry }
         });
         serde_json::to_vec(&FeatureCollection {
             r#type: "FeatureCollection",

@@ -2,7 +2,7 @@
 
 use scanseg_core::{Rules, Segment};
 
-use crate::export::{Segmented, dot};
+use crate::export::segmented::{Segmented, dot};
 use crate::segmentation::stated_noise_m;
 
 /// From so many times the noise on points do not lie on a plane.
@@ -44,19 +44,19 @@ impl Verdict {
 
 impl Planarity {
     /// Returns how planar a segment of these pixels is.
-    pub(super) fn of(scan: &Segmented<'_>, segment: &Segment, pixels: &[usize]) -> Planarity {
+    fn of(scan: &Segmented<'_>, segment: &Segment, pixels: &[usize]) -> Planarity {
         let Some(plane) = segment.plane() else {
             return Planarity { residual_per_noise: None, verdict: Verdict::Uncertain };
         };
         let normal = plane.normal.map(f64::from);
         let beam_rad = f64::from(scan.ranging.beam_noise_rad.max(Rules::TUNED.least_beam_rad));
         let flatness_m = f64::from(scan.ranging.flatness_m);
-        let mut sum_m2 = 0.0;
+        let (mut sum_m2, columns) = (0.0, scan.image.columns);
         for &pixel in pixels {
             let range_m = scan.image.range_m[pixel];
             let noise_m =
                 scan.range_noise_m.get(pixel).copied().unwrap_or_else(|| stated_noise_m(scan.ranging, range_m));
-            let facing = dot(normal, scan.beam(pixel).1).powi(2).min(1.0);
+            let facing = dot(normal, scan.geometry.direction(pixel / columns, pixel % columns)).powi(2).min(1.0);
             let aside_m2 = (f64::from(range_m) * beam_rad).powi(2);
             sum_m2 += f64::from(noise_m).powi(2) * facing + aside_m2 * (1.0 - facing) + flatness_m * flatness_m;
         }
@@ -71,4 +71,9 @@ impl Planarity {
         };
         Planarity { residual_per_noise: residual, verdict }
     }
+}
+
+/// Returns how planar each segment is.
+pub fn planarities_of(scan: &Segmented<'_>) -> Vec<Planarity> {
+    scan.segments.iter().zip(&scan.pixels()).map(|(segment, pixels)| Planarity::of(scan, segment, pixels)).collect()
 }

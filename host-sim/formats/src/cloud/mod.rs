@@ -2,6 +2,7 @@
 
 mod angular;
 pub(crate) mod e57;
+mod fit;
 mod lzf;
 pub(crate) mod number;
 pub(crate) mod pcd;
@@ -9,6 +10,7 @@ mod pinhole;
 pub(crate) mod ply;
 mod recognise;
 
+use crate::cloud::fit::length;
 use crate::cloud::pinhole::{FORWARD, GRAPHICS, OPTICAL};
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
@@ -62,20 +64,14 @@ impl Cloud {
         if is(FORWARD) {
             return vec![];
         }
-        let (turned, axes): (fn([f32; 3]) -> [f32; 3], _) = if is(OPTICAL) {
-            (|[x, y, z]| [z, -x, -y], "x right, y down, z forward")
+        let (backward, axes) = if is(OPTICAL) {
+            (1.0, "x right, y down, z forward")
         } else if is(GRAPHICS) {
-            (|[x, y, z]| [-z, -x, y], "x right, y up, z backward")
+            (-1.0, "x right, y up, z backward")
         } else {
             return vec![];
         };
-        self.points.iter_mut().for_each(|point| *point = turned(*point));
+        self.points.iter_mut().for_each(|[x, y, z]| (*x, *y, *z) = (backward * *z, -*x, -backward * *y));
         vec![format!("its axes are those of a camera ({axes}); in the results x is forward, y left, z up")]
     }
-}
-
-/// Returns the distance of a point.
-fn length(point: &[f32; 3]) -> f64 {
-    let squares = point.map(|x| f64::from(x) * f64::from(x));
-    squares.iter().sum::<f64>().sqrt()
 }

@@ -1,6 +1,6 @@
 //! Points as a pinhole camera sees them.
 
-use crate::cloud::recognise::Deviation;
+use crate::cloud::fit::Deviation;
 use crate::geometry::{Depth, Kind};
 
 /// Axes of a cloud: forward, right and down as combinations of x, y and z.

@@ -5,45 +5,9 @@
 
 use crate::beside::Beside;
 use crate::cloud::angular::{Grid, nodding, spinning};
+use crate::cloud::fit::{Arrangement, length, median};
 use crate::cloud::pinhole;
 use crate::geometry::{Kind, TurnAxis};
-
-/// How far points lie from beams that they are said to lie on, in beams.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Deviation {
-    squares: f64,
-    points: usize,
-    far: usize,
-}
-
-impl Deviation {
-    /// Adds a point that lies beside its beam by this much of the way to the next.
-    pub fn add(&mut self, along_row: f64, along_column: f64) {
-        let squares = along_row * along_row + along_column * along_column;
-        self.points += 1;
-        if squares < 0.25 * 0.25 {
-            self.squares += squares;
-        } else {
-            // also what is not a number
-            self.far += 1;
-        }
-    }
-
-    fn root_mean_square(&self) -> f64 {
-        (self.squares / (self.points - self.far).max(1) as f64).sqrt()
-    }
-
-    /// Whether the points lie on the beams, but for rounding and one in a thousand.
-    fn fits(&self) -> bool {
-        self.points > 0 && 1000 * self.far <= self.points && self.root_mean_square() < 0.06
-    }
-}
-
-/// Where the beams of a cloud point.
-pub(crate) struct Arrangement {
-    pub kind: Kind,
-    pub beside: Beside,
-}
 
 /// Returns the arrangement of the beams through points, row by row from the origin; where nothing was
 /// measured a point is 0.
@@ -70,7 +34,7 @@ pub(crate) fn arrangement(points: &[[f32; 3]], columns: usize) -> Arrangement {
 /// Returns beams through the points.
 fn free(points: &[[f32; 3]], columns: usize) -> Arrangement {
     let direction = |point: &[f32; 3]| {
-        let range = super::length(point);
+        let range = length(point);
         if range > 0.0 { point.map(|x| (f64::from(x) / range) as f32) } else { [1.0, 0.0, 0.0] }
     };
     let directions: Vec<_> = points.iter().map(direction).collect();
@@ -82,7 +46,7 @@ fn free(points: &[[f32; 3]], columns: usize) -> Arrangement {
 /// steps within the rows.
 fn wraps(points: &[[f32; 3]], columns: usize) -> bool {
     let angle = |a: &[f32; 3], b: &[f32; 3]| {
-        let (ra, rb) = (super::length(a), super::length(b));
+        let (ra, rb) = (length(a), length(b));
         let dot: f64 = (0..3).map(|i| f64::from(a[i]) * f64::from(b[i])).sum();
         (ra * rb > 0.0).then(|| (dot / (ra * rb)).clamp(-1.0, 1.0).acos())
     };
@@ -94,10 +58,4 @@ fn wraps(points: &[[f32; 3]], columns: usize) -> bool {
         (Some(within), Some(across)) => columns > 8 && across <= 3.0 * within,
         _ => false,
     }
-}
-
-/// Returns the middle of some numbers, whose order changes.
-pub(crate) fn median(numbers: &mut [f64]) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

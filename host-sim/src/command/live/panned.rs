@@ -10,7 +10,7 @@ use scanseg_hal::ld06::{Ld06, Model};
 use scanseg_hal::scanner::{LineEvent, LineScanner, Row, RowMemory, View};
 use scanseg_sim::segmentation::{OwnedMemory, ScanBeams};
 
-use crate::command::live::Packets;
+use crate::command::live::packets::Packets;
 use crate::command::live::report::Report;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::{Failure, print};

@@ -4,7 +4,7 @@ use scanseg_core::{AnyConfig, PlaneSegmenter, RowBeams, Segmenter};
 use scanseg_formats::lidar::{FiringRows, Metadata};
 use scanseg_sim::segmentation::{OwnedMemory, ScanBeams};
 
-use crate::command::live::Packets;
+use crate::command::live::packets::Packets;
 use crate::command::live::report::Report;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::Failure;

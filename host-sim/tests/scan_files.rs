@@ -1,0 +1,179 @@
+//! `scanseg segment` on clouds and depth images of others, and what it writes for other programs.
+
+mod program;
+mod recorded;
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+
+use program::{fails, folder, scanseg, succeeds};
+use recorded::recorded;
+use scanseg_core::{PlaneConfig, Ranging};
+use scanseg_formats::{GreyImage, ReadOptions, Scan, ScanFile};
+use scanseg_sim::export::{Segmented, Verdict, planarities_of};
+use scanseg_sim::segmentation::Segmentation;
+use serde_json::Value;
+
+fn read(path: &Path, geometry: Option<&Path>) -> Scan {
+    let options = ReadOptions { geometry: geometry.map(Path::to_path_buf), ..ReadOptions::default() };
+    ScanFile::open(path, &options).unwrap().frame(0).unwrap()
+}
+
+fn labels(scan: &Scan, range_noise_m: f32) -> Vec<u32> {
+    let config = PlaneConfig::new(Ranging::new(range_noise_m));
+    Segmentation::of(&scan.image, &scan.geometry, config, None, || ()).unwrap().numbers(1)
+}
+
+/// The part of the pixels that have the label which most pixels of their label have in the other image.
+fn agreement(a: &[u32], b: &[u32]) -> f64 {
+    let mut pairs: HashMap<(u32, u32), usize> = HashMap::new();
+    a.iter().zip(b).for_each(|(a, b)| *pairs.entry((*a, *b)).or_default() += 1);
+    let mut most: HashMap<u32, usize> = HashMap::new();
+    pairs.iter().for_each(|((a, _), count)| {
+        let best = most.entry(*a).or_default();
+        *best = (*best).max(*count);
+    });
+    most.values().sum::<usize>() as f64 / a.len() as f64
+}
+
+/// The same scan as a range image with its geometry file and as a cloud without one.
+#[test]
+fn a_cloud_has_the_labels_of_its_range_image() {
+    let sets = [
+        ("office1-kinect", "office1.pcd", "office1.depth_mm.pgm", "geometry.toml", 0.004),
+        ("synpeb", "test_100.pcd", "test_100.range_100um.pgm", "test_100.geometry.toml", 0.001),
+    ];
+    for (set, cloud, image, geometry, noise_m) in sets {
+        let Some(data) = recorded(set) else { return };
+        let (cloud, image) = (read(&data.join(cloud), None), read(&data.join(image), Some(&data.join(geometry))));
+        let (a, b) = (labels(&cloud, noise_m), labels(&image, noise_m));
+        let both = agreement(&a, &b).min(agreement(&b, &a));
+        println!("{set}: {:.3} % of the pixels alike", 100.0 * both);
+        assert!(both >= 0.99, "{set}: {both}");
+    }
+}
+
+#[test]
+fn a_table_is_one_segment() {
+    let Some(data) = recorded("../cases/15-organised-cloud") else { return };
+    let folder = folder("table");
+    succeeds(&folder, &format!("segment {} --out out", data.join("table.pcd").display()));
+    let list: Value = serde_json::from_slice(&fs::read(folder.join("out/segments.json")).unwrap()).unwrap();
+    let [segment] = &list["segments"].as_array().unwrap()[..] else { panic!("{list}") };
+    assert_eq!((&segment["pixels"], &segment["planarity"]), (&2391.into(), &"planar".into()));
+    let number = |value: &Value| value.as_f64().unwrap();
+    let plane = [0, 1, 2].map(|i| number(&segment["normal"][i])).into_iter().chain([number(&segment["distance_m"])]);
+    for (found, right) in plane.zip([-0.546, -0.022, 0.837, 0.529]) {
+        assert!((found - right).abs() < 0.002, "{segment}");
+    }
+}
+
+#[test]
+fn a_cloud_without_rows_is_refused_and_says_what_to_do() {
+    let Some(data) = recorded("velodyne") else { return };
+    let folder = folder("velodyne-list");
+    for name in ["vlp16_1673400472138016708.pcd", "vlp32_1713492677464078412.pcd"] {
+        let arguments = format!("segment {} --out out", data.join(name).display());
+        fails(&folder, &arguments, &["points without rows and columns: its HEIGHT is 1", "HEIGHT above 1"]);
+    }
+}
+
+#[test]
+fn coordinates_in_millimetres_are_suspected() {
+    let folder = folder("millimetres");
+    let text =
+        "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 8\nHEIGHT 8\nPOINTS 64\nDATA ascii\n";
+    let line = |i: i32| format!("2000 {} {}\n", 100 * (i % 8 - 3), 100 * (i / 8 - 3));
+    fs::write(folder.join("mm.pcd"), text.to_string() + &(0..64).map(line).collect::<String>()).unwrap();
+    let output = scanseg(&folder, "segment mm.pcd --out out");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success() && stderr.contains("64 of 64") && stderr.contains("is unit_m = 1 right?"),
+        "{stderr}"
+    );
+    let stdout = succeeds(&folder, "segment mm.pcd --unit-m 0.001 --range-noise-m 0.002 --out out");
+    assert!(stdout.contains("64 with a return"), "{stdout}");
+}
+
+/// A wall, seen by a camera at 2 m, with some noise.
+fn wall(noise_m: f64) -> GreyImage {
+    let (rows, columns) = (40, 60);
+    let mut state = 3u64;
+    // the sum of twelve even numbers from 0 to 1 is nearly normal
+    let mut even = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 24) as f64
+    };
+    let mut normal = || (0..12).map(|_| even()).sum::<f64>() - 6.0;
+    let values = (0..rows * columns).map(|_| (1e4 * (2.0 + noise_m * normal())).round() as u16).collect();
+    GreyImage { rows, columns, max_value: 65535, values }
+}
+
+/// What is written can be read again as the same scan; outlines lie on their planes.
+#[test]
+fn what_other_programs_get() {
+    let folder = folder("exports");
+    fs::write(folder.join("wall.png"), wall(0.002).to_png()).unwrap();
+    let arguments = "segment wall.png --fx 60 --unit-m 0.0001 --range-noise-m 0.002";
+    succeeds(&folder, &format!("{arguments} --out out --write ply,pcd,json,csv,geojson,mcap"));
+    let written = |name: &str| fs::read(folder.join("out").join(name)).unwrap();
+    let clouds = ["points.pcd", "points.ply"].map(|name| read(&folder.join("out").join(name), None));
+    for scan in &clouds {
+        assert_eq!((scan.image.rows, scan.image.columns, scan.measured), (40, 60, 2400));
+        assert!(matches!(scan.geometry.kind, scanseg_formats::Kind::Pinhole { .. }), "{:?}", scan.geometry.kind);
+    }
+    assert_eq!(clouds[0].image, clouds[1].image);
+    let outlines: Value = serde_json::from_slice(&written("outlines.json")).unwrap();
+    let [outline] = &outlines.as_array().unwrap()[..] else { panic!("{outlines}") };
+    let number = |value: &Value| value.as_f64().unwrap();
+    // 59 x 39 steps of 2 m / 60
+    let area_m2 = 59.0 * 39.0 * (2.0f64 / 60.0).powi(2);
+    assert!((number(&outline["area_m2"]) - area_m2).abs() < 0.01 * area_m2, "{outline}");
+    for corner in outline["corners_m"].as_array().unwrap() {
+        let along: f64 = (0..3).map(|i| number(&corner[i]) * number(&outline["normal"][i])).sum();
+        assert!((along + number(&outline["distance_m"])).abs() < 1e-5, "{outline}");
+    }
+    let geojson: Value = serde_json::from_slice(&written("outlines.geojson")).unwrap();
+    assert_eq!(geojson["features"][0]["properties"]["planarity"], "planar");
+    let csv = String::from_utf8(written("outlines.csv")).unwrap();
+    assert_eq!(csv.lines().count() - 1, outline["corners_m"].as_array().unwrap().len());
+    assert!(written("outlines.ply").starts_with(b"ply\nformat ascii 1.0\n"));
+    let recording = written("recording.mcap");
+    let messages: Vec<_> = mcap::MessageStream::new(&recording).unwrap().map(|message| message.unwrap()).collect();
+    let on = |topic: &str| messages.iter().filter(|message| message.channel.topic == topic).count();
+    assert_eq!((on("/rows"), on("/planes"), on("/points")), (40, 1, 1));
+    assert!(messages.is_sorted_by_key(|message| message.log_time));
+    // and nothing of it unless it is asked for
+    succeeds(&folder, &format!("{arguments} --out plain"));
+    assert!(!folder.join("plain/outlines.json").exists() && !folder.join("plain/recording.mcap").exists());
+}
+
+#[test]
+fn a_surface_that_is_rougher_than_the_noise_is_no_plane() {
+    let geometry =
+        "version = 1\nunit_m = 0.0001\nkind = \"pinhole\"\ndepth = \"z\"\nfx = 60\nfy = 60\ncx = 29.5\ncy = 19.5\n";
+    let folder = folder("rough");
+    fs::write(folder.join("geometry.toml"), geometry).unwrap();
+    for (noise_m, verdict) in [(0.004, Verdict::Planar), (0.012, Verdict::Rough)] {
+        fs::write(folder.join("wall.png"), wall(noise_m).to_png()).unwrap();
+        let scan = read(&folder.join("wall.png"), Some(&folder.join("geometry.toml")));
+        let ranging = Ranging::new(0.004);
+        let segmentation =
+            Segmentation::of(&scan.image, &scan.geometry, PlaneConfig::new(ranging), None, || ()).unwrap();
+        let labels = segmentation.numbers(30);
+        let segmented = Segmented {
+            image: &scan.image,
+            geometry: &scan.geometry,
+            ranging: &ranging,
+            range_noise_m: &[],
+            labels: &labels,
+            segments: segmentation.of_pixels(30),
+        };
+        let found = planarities_of(&segmented)[0];
+        assert_eq!(found.verdict, verdict, "{found:?}");
+        let times = noise_m as f32 / 0.004;
+        let residual = found.residual_per_noise.unwrap();
+        assert!((0.8 * times..1.2 * times).contains(&residual), "{found:?}");
+    }
+}
