@@ -251,7 +251,7 @@ impl<'a> Fan<'a> {
         let (c, s) = add(self.row_beam(frame, column), cos_sin(frame.beams.offset_rad));
         let turned = self.turned(frame, column);
         let Frame { p, q, r, t, .. } = *frame;
-        let out = |by: f32| [0, 1, 2].map(|i| by * (turned.0 * p[i] + turned.1 * t[i]));
+        let out = |by: f32| plus(p.map(|x| by * turned.0 * x), by * turned.1, t);
         [plus(plus(out(c), s, q), 1.0, r), out(frame.beams.lever_arm_m)]
     }
 
