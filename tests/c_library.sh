@@ -91,7 +91,7 @@ if have cmake && have g++; then
     quiet cmake -S "$capi/examples" -B examples -DCMAKE_PREFIX_PATH="$prefix"
     quiet cmake --build examples
     quiet examples/organised_cloud
-    shared() { ldd "$1" | grep -q "libscanseg.so.[0-9]* => $prefix/"; }
+    shared() { ldd "$1" | grep "libscanseg.so.[0-9]* => $prefix/" >/dev/null; }
     if [ "$(uname)" = Linux ]; then
         quiet examples/organised_cloud_shared
         shared examples/organised_cloud_shared || { echo "scanseg::shared is not used"; exit 1; }
