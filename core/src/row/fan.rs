@@ -6,11 +6,21 @@ use crate::beam::{Beams, Columns, MAX_COLUMNS, TurnAxis};
 use crate::error::ConfigError;
 use crate::moments::POINT_UNIT_M;
 use crate::row::bits::CHUNK;
-use crate::row_beams::RowBeams;
+use crate::row_beams::{ColumnTurns, RowBeams};
 
 /// (cos, sin) of the sum of two angles.
 fn add(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     (a.0 * b.0 - a.1 * b.1, a.1 * b.0 + a.0 * b.1)
+}
+
+/// Turns within a row up to here, as of a tilt that moves, have few terms.
+const SMALL_RAD: f32 = 0.1;
+
+/// Cosine and sine of an angle below [`SMALL_RAD`], to 1e-8.
+#[inline(always)]
+fn small_cos_sin(x_rad: f32) -> (f32, f32) {
+    let square = x_rad * x_rad;
+    (1.0 - square * (0.5 - square * (1.0 / 24.0)), x_rad * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0))))
 }
 
 /// Cosine and sine within its row of the beam of a pinhole's column; `v` is the height of the row.
@@ -199,9 +209,29 @@ impl<'a> Fan<'a> {
                 cos[i] += if range_m[i] > 0.0 { lever_arm_m / range_m[i] } else { 0.0 };
             }
         }
+        let Beams::Nodding { columns, .. } = &self.beams else {
+            *beside = [0.0; CHUNK];
+            return;
+        };
+        if let Columns::Beside { .. } = columns {
+            for i in 0..CHUNK {
+                let turned = self.turned(frame, from + i);
+                (cos[i], beside[i]) = (cos[i] * turned.0, cos[i] * turned.1);
+            }
+            return;
+        }
+        // in turns of a tilt that moves there is no sine, and no division by the number of sets
+        let ColumnTurns { step_rad, sets, set_rad } = frame.beams.column_turns;
+        let sets = usize::from(sets);
+        let (mut set, mut turn_rad) = (from.checked_rem(sets).unwrap_or(0), from as f32 * step_rad);
+        let most_rad = turn_rad.abs() + CHUNK as f32 * step_rad.abs() + sets as f32 * set_rad.abs();
+        let small = most_rad < SMALL_RAD;
         for i in 0..CHUNK {
-            let turned = self.turned(frame, from + i);
+            let more_rad = turn_rad + set as f32 * set_rad;
+            let turned = if small { small_cos_sin(more_rad) } else { cos_sin(more_rad) };
             (cos[i], beside[i]) = (cos[i] * turned.0, cos[i] * turned.1);
+            turn_rad += step_rad;
+            set = if set + 1 < sets { set + 1 } else { 0 };
         }
     }
 
@@ -221,7 +251,7 @@ impl<'a> Fan<'a> {
         let (c, s) = add(self.row_beam(frame, column), cos_sin(frame.beams.offset_rad));
         let turned = self.turned(frame, column);
         let Frame { p, q, r, t, .. } = *frame;
-        let out = |by: f32| [0, 1, 2].map(|i| by * (turned.0 * p[i] + turned.1 * t[i]));
+        let out = |by: f32| plus(p.map(|x| by * turned.0 * x), by * turned.1, t);
         [plus(plus(out(c), s, q), 1.0, r), out(frame.beams.lever_arm_m)]
     }
 

@@ -99,7 +99,7 @@ impl Fitted {
         errors.along = plus(errors.along, errors.sum, less(two.sums.c, sums.c));
         let factor = sums.factor(prior(dot(sums.c, one.m), AREA_TAN));
         let (step, _) = factor.solve(&errors);
-        let (a, b) = (one.sums.change(step).squares, two.sums.change(less(d, step)).squares);
+        let (a, b) = (positive(one.sums.change(step).squares), positive(two.sums.change(less(d, step)).squares));
         let fitted = Fitted { sums, m: plus(one.m, 1.0, step), squares: one.squares + two.squares + a + b };
         if first { Common { fitted, one: a, other: b } } else { Common { fitted, one: b, other: a } }
     }

@@ -77,10 +77,10 @@ impl LineClock {
         Self { period_us, byte_us, telegram_bytes, telegram_us: 0, byte: 0 }
     }
 
-    /// More bytes have come, at most a telegram.
+    /// More bytes have come.
     pub fn received(&mut self, bytes: u32) {
         self.byte += bytes;
-        if self.byte >= self.telegram_bytes {
+        while self.byte >= self.telegram_bytes {
             self.byte -= self.telegram_bytes;
             self.telegram_us += u64::from(self.period_us);
         }
@@ -131,6 +131,7 @@ pub fn run<R: Read, W: Write>(
     #[cfg(feature = "defmt")]
     let mut scans = 0;
     let mut piece = [0; PIECE];
+    let mut lost_before = 0;
     loop {
         let (come, to_come) = clock.telegram();
         let piece = piece.get_mut(..PIECE.min(to_come as usize)).unwrap_or(&mut []);
@@ -143,6 +144,10 @@ pub fn run<R: Read, W: Write>(
         }
         let (overruns, queue_full) = lost();
         rig.port_lost(overruns, queue_full);
+        // they took their time
+        let lost_now = overruns.wrapping_add(queue_full);
+        clock.received(lost_now.wrapping_sub(lost_before));
+        lost_before = lost_now;
         rig.receive(session, piece, clock.now_us(), &mut reporter);
         rig.idle(clock.now_us(), &mut reporter);
         if *piece == ASK_FOR_FIGURES {

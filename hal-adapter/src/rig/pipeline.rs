@@ -2,7 +2,7 @@
 
 use core::mem;
 
-use scanseg_core::{ColumnTurns, Finished, PushError, RowBeams, Segmenter, Status};
+use scanseg_core::{Finished, PushError, Segmenter, Status};
 
 use super::counters::{Counters, Dropped, count};
 use super::limits::{RigError, TiltLimits};
@@ -27,13 +27,6 @@ struct Progress {
     stopped: bool,
 }
 
-/// Where the first beam of a row was, and how much more the others were turned.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    place: Place,
-    column_turns: ColumnTurns,
-}
-
 /// Scanner, tilt and segmenter: see [`rig`](crate::rig).
 #[derive(Debug)]
 pub struct Rig<'a, S> {
@@ -46,7 +39,7 @@ pub struct Rig<'a, S> {
     held_m: &'a mut [f32],
     /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
     /// with it.
-    held: Option<Row>,
+    held: Option<Place>,
     scan: Option<Progress>,
     /// The last sample with a plausible rate, and the time of the last sample that did not continue
     /// the one before.
@@ -144,7 +137,7 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     pub fn idle(&mut self, now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
         let over = |place: &Place| now_us.saturating_sub(place.start_us) > u64::from(self.limits.pause_us);
         let scan_over = self.scan.is_none_or(|scan| over(&scan.last));
-        if scan_over && self.held.is_none_or(|held| over(&held.place)) {
+        if scan_over && self.held.is_none_or(|held| over(&held)) {
             self.end(End::Pause, sink);
         }
     }
@@ -204,12 +197,12 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     }
 
     /// Returns where the tilt was, or why that is not known.
-    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Row, Dropped> {
+    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Place, Dropped> {
         let turn = turn.ok_or(Dropped::NoTurn)?;
         let rate_rad_per_s = turn.rate_rad_per_s();
         if self.limits.plausible(rate_rad_per_s) {
-            let RowBeams { turn_rad, column_turns, .. } = turn.beams();
-            Ok(Row { place: Place { turn_rad, rising: rate_rad_per_s > 0.0, start_us }, column_turns })
+            // one angle for all: angles of their own take the edge-based approach four times as long
+            Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us })
         } else if rate_rad_per_s.abs() < self.limits.min_rate_rad_per_s {
             Err(Dropped::Standing)
         } else {
@@ -228,37 +221,34 @@ impl<'a, S: Segmenter> Rig<'a, S> {
 
     /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
     /// one to be held.
-    fn row(&mut self, row: Row, sink: &mut (impl RigSink + ?Sized)) {
-        let place = &row.place;
-        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, place)) {
+    fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
+        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
             if covered_rad + moved_rad > self.limits.sweep_rad {
                 self.end(End::Covered, sink);
-                self.begin(row, sink);
-                self.push(row, 0.0, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
             } else {
-                self.push(row, moved_rad, sink);
+                self.push(place, moved_rad, sink);
             }
-        } else if let Some((held, moved_rad)) =
-            self.held.and_then(|held| Some((held, self.goes_on(&held.place, place)?)))
-        {
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
             self.held = None;
             self.end(End::Turned, sink);
             self.begin(held, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
             self.push(held, 0.0, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.push(row, moved_rad, sink);
+            self.push(place, moved_rad, sink);
         } else {
             self.drop_held(sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.held = Some(row);
+            self.held = Some(place);
         }
     }
 
     /// Begins a scan.
-    fn begin(&mut self, Row { place: first, .. }: Row, sink: &mut (impl RigSink + ?Sized)) {
+    fn begin(&mut self, first: Place, sink: &mut (impl RigSink + ?Sized)) {
         count(&mut self.counters.scans);
         self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
@@ -269,17 +259,15 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     }
 
     /// Gives `row_m` to the segmenter.
-    fn push(&mut self, row: Row, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
+    fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
         let Some(scan) = &mut self.scan else { return };
-        let Row { place, column_turns } = row;
         scan.last = place;
         scan.covered_rad += moved_rad;
         if scan.stopped {
             return self.drop_row(Dropped::Stopped, sink);
         }
-        let beams = RowBeams::from(place.turn_rad).with_column_turns(column_turns);
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
-        match self.segmenter.push_row(self.row_m, beams, &mut counting) {
+        match self.segmenter.push_row(self.row_m, place.turn_rad, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);
                 scan.stopped = status == Status::Stopped;
@@ -287,8 +275,8 @@ impl<'a, S: Segmenter> Rig<'a, S> {
             }
             Err(PushError::TooManyRows { .. }) if scan.rows > 0 => {
                 self.end(End::Covered, sink);
-                self.begin(row, sink);
-                self.push(row, 0.0, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
             }
             Err(_) => self.drop_row(Dropped::Refused, sink),
         }

@@ -105,7 +105,7 @@ impl Chart {
         let above = self.above();
         let column_x = |column: usize| left + column as f64 * (self.panel.0 + GAP.0);
         let row_y = |row: usize| above + row as f64 * (self.panel.1 + GAP.1);
-        let legend = left + self.legend.iter().map(legend_width).sum::<f64>();
+        let legend = left + self.legend.iter().map(|name| legend_width(name)).sum::<f64>();
         let width = (column_x(self.columns.len()) - GAP.0 + right).max(legend);
         let height = row_y(self.rows.len()) - GAP.1 + below;
         let mut drawing = Drawing::new(width, height, &self.title);
@@ -147,7 +147,7 @@ impl Chart {
 
     /// Returns the legend alone.
     pub fn legend(&self) -> Drawing {
-        let width = self.legend.iter().map(legend_width).sum::<f64>();
+        let width = self.legend.iter().map(|name| legend_width(name)).sum::<f64>();
         let mut drawing = Drawing::new(width.ceil(), 28.0, &self.legend.join(", "));
         self.draw_legend(&mut drawing, 0.0);
         drawing
@@ -193,7 +193,7 @@ impl Chart {
     }
 }
 
-fn legend_width(name: &String) -> f64 {
+fn legend_width(name: &str) -> f64 {
     62.0 + f64::from(text_width(12.0, name).ceil())
 }
 

@@ -47,10 +47,10 @@ pub fn mcap(scan: &Segmented<'_>) -> Result<Vec<u8>, Failure> {
     let outlines = outlines_of(scan);
     let mut ended: Vec<Vec<usize>> = vec![vec![]; rows + 1];
     (0..outlines.len()).for_each(|i| ended[(usize::from(scan.segments[i].last_row) + 1).min(rows)].push(i));
-    for row in 0..=rows {
-        if !ended[row].is_empty() {
+    for (row, ended) in ended.iter().enumerate() {
+        if !ended.is_empty() {
             let marker = |&i: &usize| Some(marker(i, outlines[i].as_ref()?, header(row)));
-            let markers = ended[row].iter().filter_map(marker).collect();
+            let markers = ended.iter().filter_map(marker).collect();
             recording.write(planes, row, &MarkerArray { markers })?;
         }
         if row < rows {

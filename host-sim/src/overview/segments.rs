@@ -75,10 +75,15 @@ impl Segments<'_> {
         self.marked(frame, frame.picture(colour))
     }
 
+    /// The labels of the pixels of a picture.
+    fn shown(&self, frame: Frame) -> Vec<u32> {
+        (0..frame.width * frame.height).map(|i| self.labels[frame.pixel(i % frame.width, i / frame.width)]).collect()
+    }
+
     /// Draws the borders of the segments and their labels.
     fn marked(&self, frame: Frame, mut picture: Picture) -> Picture {
         let (width, height) = (frame.width, frame.height);
-        let shown: Vec<u32> = (0..width * height).map(|i| self.labels[frame.pixel(i % width, i / width)]).collect();
+        let shown = self.shown(frame);
         for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
             let label = shown[y * width + x];
             let other = |x: usize, y: usize| if x < width && y < height { shown[y * width + x] } else { 0 };
@@ -87,14 +92,20 @@ impl Segments<'_> {
                 picture.put(x, y, BLACK);
             }
         }
-        for (label, place) in places(&shown, width) {
+        // where the picture is larger than the scan, the scan says as much with fewer pixels
+        let scan = Frame::of(self.view, self.scan.rows, self.scan.columns);
+        let basis = if scan.width * scan.height < width * height { scan } else { frame };
+        let (across, down) = (width as f32 / basis.width as f32, height as f32 / basis.height as f32);
+        for (label, place) in places(&self.shown(basis), basis.width) {
+            let room = place.room * across.min(down);
             let text = label.to_string();
-            let size = (1.1 * place.room).min(30.0);
+            let size = (1.1 * room).min(30.0);
             // as high as the room, and no wider
-            let size = size.min(3.0 * place.room / text.len() as f32);
+            let size = size.min(3.0 * room / text.len() as f32);
             if size >= 13.0 {
                 let style = TextStyle { anchor: Anchor::Middle, halo: Some(WHITE), ..TextStyle::new(size, BLACK) };
-                picture.text((place.x as f32 + 0.5, place.y as f32 + 0.36 * size), style, &text);
+                let (x, y) = (across * (place.x as f32 + 0.5), down * (place.y as f32 + 0.5));
+                picture.text((x, y + 0.36 * size), style, &text);
             }
         }
         picture

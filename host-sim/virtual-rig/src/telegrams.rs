@@ -107,6 +107,10 @@ pub fn telegrams_by_themselves(bytes: &[u8], format: Option<ScanLineFormat>) -> 
     let mut found = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
+        if bytes[at] != 0x02 {
+            at += 1;
+            continue;
+        }
         let mut decoder = TelegramDecoder::new();
         decoder.expect_scan_lines(format);
         let begins =

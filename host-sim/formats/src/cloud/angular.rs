@@ -35,7 +35,7 @@ impl Grid {
         let every = points.len() / 5000 + 1;
         for (i, back) in [1, columns].into_iter().enumerate() {
             let apart = |at: usize| {
-                let along_row = back != 1 || at % columns != 0;
+                let along_row = back != 1 || !at.is_multiple_of(columns);
                 let (a, b) = (at, at.checked_sub(back).filter(|_| along_row)?);
                 let turn = wrapped(grid.turn[a] - grid.turn[b]) * grid.lift[a].cos();
                 Some(turn.hypot(grid.lift[a] - grid.lift[b])).filter(|angle| angle.is_finite())

@@ -64,14 +64,14 @@ impl Cloud {
         if is(FORWARD) {
             return vec![];
         }
-        let (turned, axes): (fn([f32; 3]) -> [f32; 3], _) = if is(OPTICAL) {
-            (|[x, y, z]| [z, -x, -y], "x right, y down, z forward")
+        let (backward, axes) = if is(OPTICAL) {
+            (1.0, "x right, y down, z forward")
         } else if is(GRAPHICS) {
-            (|[x, y, z]| [-z, -x, y], "x right, y up, z backward")
+            (-1.0, "x right, y up, z backward")
         } else {
             return vec![];
         };
-        self.points.iter_mut().for_each(|point| *point = turned(*point));
+        self.points.iter_mut().for_each(|[x, y, z]| (*x, *y, *z) = (backward * *z, -*x, -backward * *y));
         vec![format!("its axes are those of a camera ({axes}); in the results x is forward, y left, z up")]
     }
 }

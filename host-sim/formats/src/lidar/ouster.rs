@@ -184,9 +184,9 @@ impl Metadata {
         if let Some(sensor) = self.sensor() {
             geometry.range_noise_m = Some(sensor.range_noise_m());
             geometry.noise = sensor.noise();
-        }
-        if matches!(self.profile, Profile::Headed { coarse: true, .. }) {
-            geometry.noise.range_step_m = 0.008;
+            if matches!(self.profile, Profile::Headed { coarse: true, .. }) {
+                geometry.noise.range_step_m = 0.008;
+            }
         }
         geometry
     }

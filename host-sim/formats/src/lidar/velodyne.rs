@@ -147,7 +147,6 @@ impl Model {
             geometry.range_noise_m = Some(sensor.range_noise_m());
             geometry.noise = sensor.noise();
         }
-        geometry.noise.range_step_m = self.unit_m();
         geometry
     }
 

@@ -1,17 +1,18 @@
 //! `scanseg live`: what a scanner sends, segmented while it sends.
 
 mod incoming;
+mod packets;
 mod panned;
 mod report;
 mod spinning;
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use clap::Args;
+use scanseg_formats::lidar::read_metadata;
 
-use crate::command::live::incoming::{Incoming, Next};
+use crate::command::live::incoming::Incoming;
+use crate::command::live::packets::{Packets, stop};
 use crate::command::live::report::Report;
 use crate::command::options::Options;
 use crate::command::output::{Failure, print};
@@ -23,7 +24,7 @@ use crate::command::output::{Failure, print};
 /// until it is segmented, and what was lost. Ctrl-C ends it with the turn so far.
 #[derive(Args)]
 pub struct Arguments {
-    /// udp:[ADDRESS:]PORT (Velodyne: 2368, Ouster: 7502), or the serial device of an LD06, which is set
+    /// udp:PORT or udp:ADDRESS:PORT (Velodyne: 2368, Ouster: 7502), or the serial device of an LD06, which is set
     /// up beforehand (stty -F DEVICE 230400 raw -echo); - for standard input
     source: String,
     /// Of an Ouster its metadata (JSON); of an LD06 a geometry file of kind "nodding", which says how
@@ -49,49 +50,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let geometry = arguments.geometry.as_deref();
     match arguments.source.strip_prefix("udp:") {
         Some(address) => {
+            let metadata = geometry.map(read_metadata).transpose()?;
             let (incoming, bound) = Incoming::udp(address)?;
             print(&format!("listening on {bound}\n"))?;
             let mut packets = Packets { incoming, stop };
-            spinning::run(&mut packets, geometry, &arguments.options, &mut report)
+            spinning::run(&mut packets, metadata.as_ref(), &arguments.options, &mut report)
         }
         None => {
             let mut packets = Packets { incoming: Incoming::bytes(&arguments.source)?, stop };
             panned::run(&mut packets, geometry, &arguments.options, &mut report)
         }
     }
-}
-
-/// What comes, until there is no more or a signal asks to stop.
-struct Packets {
-    incoming: Incoming,
-    stop: &'static AtomicBool,
-}
-
-impl Packets {
-    fn next(&mut self) -> Option<incoming::Packet> {
-        while !self.stop.load(Ordering::Relaxed) {
-            match self.incoming.next(Duration::from_millis(50)) {
-                Next::Packet(packet) => return Some(packet),
-                Next::Nothing => {}
-                Next::End => return None,
-            }
-        }
-        None
-    }
-
-    /// Packets that came faster than they could be taken.
-    fn dropped(&self) -> u64 {
-        self.incoming.dropped()
-    }
-}
-
-#[cfg(unix)]
-fn stop() -> &'static AtomicBool {
-    crate::command::signals::ask_to_stop()
-}
-
-#[cfg(not(unix))]
-fn stop() -> &'static AtomicBool {
-    static NEVER: AtomicBool = AtomicBool::new(false);
-    &NEVER
 }

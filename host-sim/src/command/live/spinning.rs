@@ -1,12 +1,10 @@
 //! Velodyne and Ouster: each firing is a row, each turn a scan that goes round.
 
-use std::path::Path;
-
 use scanseg_core::{AnyConfig, PlaneSegmenter, RowBeams, Segmenter};
-use scanseg_formats::lidar::{FiringRows, read_metadata};
+use scanseg_formats::lidar::{FiringRows, Metadata};
 use scanseg_sim::segmentation::{OwnedMemory, ScanBeams};
 
-use crate::command::live::Packets;
+use crate::command::live::packets::Packets;
 use crate::command::live::report::Report;
 use crate::command::options::{Options, in_terms_of_options};
 use crate::command::output::Failure;
@@ -16,13 +14,12 @@ const MOST_ROWS: usize = 60_000;
 
 pub fn run(
     packets: &mut Packets,
-    geometry: Option<&Path>,
+    metadata: Option<&Metadata>,
     options: &Options,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let metadata = geometry.map(read_metadata).transpose()?;
     let Some(first) = packets.next() else { return Ok(()) };
-    let mut rows = FiringRows::of(&first.bytes, metadata.as_ref())?;
+    let mut rows = FiringRows::of(&first.bytes, metadata)?;
     let geometry = rows.geometry();
     let refused = |e| in_terms_of_options("live", e);
     let columns = rows.columns();
