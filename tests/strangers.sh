@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Files of other programs' writers are read, and what we write is read by other programs:
-# tests/strangers.py, with packages of PyPI in an environment that is thrown away.
+# tests/strangers.py and tests/strangers_captures.py, with packages of PyPI in an environment that is thrown away.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/tools.sh
@@ -15,5 +15,9 @@ alone python3 -m venv "$work/env" || alone install python3-venv && alone python3
 # 1.2 GB
 "$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir open3d >/dev/null 2>&1 ||
     echo "without open3d, which could not be installed"
-cargo build --quiet -p scanseg-sim
+"$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir ouster-sdk >/dev/null 2>&1 ||
+    echo "without ouster-sdk, which could not be installed"
+cargo build --quiet -p scanseg-sim --features db3
 "$work/env/bin/python" tests/strangers.py "${CARGO_TARGET_DIR:-target}/debug/scanseg" "$work"
+mkdir "$work/captures"
+"$work/env/bin/python" -W ignore tests/strangers_captures.py "${CARGO_TARGET_DIR:-target}/debug/scanseg" "$work/captures"

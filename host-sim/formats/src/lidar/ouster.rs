@@ -47,7 +47,8 @@ fn pixel_bytes(profile: Profile) -> usize {
 pub fn columns<'a>(metadata: &'a Metadata, packet: &'a [u8]) -> impl Iterator<Item = Column<'a>> + 'a {
     let profile = metadata.profile;
     let (head, frame_of_packet) = match profile {
-        Profile::Legacy => (0, 0),
+        // Each column has it, but Ouster's own writer sets, and its reader takes, that of the first one.
+        Profile::Legacy => (0, packet.get(10..).and_then(u16_at).unwrap_or(0).into()),
         Profile::Headed { frame_at: 4, .. } => (32, packet.get(4..).and_then(u32_at).unwrap_or(0)),
         Profile::Headed { frame_at, .. } => (32, packet.get(frame_at..).and_then(u16_at).unwrap_or(0).into()),
     };
@@ -55,13 +56,14 @@ pub fn columns<'a>(metadata: &'a Metadata, packet: &'a [u8]) -> impl Iterator<It
     let all = body.chunks_exact(metadata.column_bytes()).take(metadata.columns_per_packet);
     all.filter_map(move |bytes| {
         let column = usize::from(u16_at(&bytes[8..])?);
-        let (frame, good, pixels) = match profile {
+        let (good, pixels) = match profile {
             Profile::Legacy => {
                 let (pixels, status) = bytes[16..].split_at(12 * metadata.rings());
-                (u16_at(&bytes[10..])?.into(), u32_at(status)? == u32::MAX, pixels)
+                (u32_at(status)? == u32::MAX, pixels)
             }
-            Profile::Headed { .. } => (frame_of_packet, u16_at(&bytes[10..])? & 1 == 1, &bytes[12..]),
+            Profile::Headed { .. } => (u16_at(&bytes[10..])? & 1 == 1, &bytes[12..]),
         };
+        let frame = frame_of_packet;
         (good && column < metadata.columns).then_some(Column { frame, column, pixels, profile })
     })
 }
@@ -298,6 +300,20 @@ mod tests {
             assert_eq!((next.came, next.range_mm[4], next.range_mm[8]), (4, sent(1004), 0));
             assert_eq!(assembler.finish(), None);
         }
+    }
+
+    #[test]
+    fn the_frame_is_that_of_the_first_column() {
+        let metadata = metadata("LEGACY", "[0, 31]");
+        let mut assembler = Assembler::new(metadata.clone());
+        for first in (0..32).step_by(4) {
+            let mut bytes = packet(&metadata, 7, first);
+            for column in 1..4 {
+                bytes[column * metadata.column_bytes() + 10..][..2].fill(0);
+            }
+            assert_eq!(assembler.push(&bytes), None);
+        }
+        assert_eq!(assembler.finish().map(|frame| frame.came), Some(32));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::command::output::{Failure, print};
 /// Segment what a scanner sends, while it sends
 ///
 /// Velodyne and Ouster over UDP, firing by firing; an LD06 over a serial line, turn by turn of its
-/// mirror. Each turn prints a line: its segments, the rate, how long a packet waits from its arrival
+/// mirror. Each turn prints a line: its planes, the rate, how long a packet waits from its arrival
 /// until it is segmented, and what was lost. Ctrl-C ends it with the turn so far.
 #[derive(Args)]
 pub struct Arguments {

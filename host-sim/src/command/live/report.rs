@@ -56,9 +56,10 @@ impl Report {
             let seconds = self.begun.elapsed().as_secs_f64().max(1e-9);
             let lag_ms = 1e3 * self.lag_sum.as_secs_f64() / f64::from(self.packets.max(1));
             let most_ms = 1e3 * self.lag_most.as_secs_f64();
-            let listed = self.segments.values().filter(|segment| segment.pixels() >= self.min_pixels).count();
+            let planes =
+                self.segments.values().filter(|s| s.pixels() >= self.min_pixels && s.plane().is_some()).count();
             print(&format!(
-                "turn {}: {} rows, {listed} segments; {:.0} rows/s, lag {lag_ms:.2} ms, at most {most_ms:.2} ms; {lost}\n",
+                "turn {}: {} rows, {planes} planes; {:.0} rows/s, lag {lag_ms:.2} ms, at most {most_ms:.2} ms; {lost}\n",
                 self.turn,
                 self.rows,
                 self.rows as f64 / seconds
