@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 have python3 || { echo "skipped: no python3"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-alone python3 -m venv "$work/env" || alone install python3-venv && alone python3 -m venv "$work/env" ||
+alone python3 -m venv "$work/env" || { install python3-venv && alone python3 -m venv "$work/env"; } ||
     { echo "skipped: no virtual environment of Python"; exit 0; }
 "$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir \
     numpy plyfile pye57 pypcd4 mcap-ros2-support rosbags >/dev/null 2>&1 ||
