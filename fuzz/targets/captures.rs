@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 use scanseg_formats::ReadOptions;
-use scanseg_formats::lidar::{Assembler, Metadata, Turns, velodyne};
+use scanseg_formats::lidar::{Assembler, FiringRows, Metadata, Turns, velodyne};
 use scanseg_fuzz::scan_file;
 
 const KINDS: [&str; 7] = [
@@ -47,7 +47,13 @@ fuzz_target!(|data: &[u8]| {
             let Ok(model) = velodyne::Model::of(data.get(..velodyne::PACKET_BYTES).unwrap_or(data)) else { return };
             let mut packet = data[..velodyne::PACKET_BYTES].to_vec();
             let mut turns = Turns::new(model);
+            let Ok(mut rows) = FiringRows::of(&packet, None) else { return };
+            rows.geometry().check().expect("a geometry");
+            let columns = rows.columns();
             for _ in 0..40 {
+                rows.push(&packet, |row| {
+                    assert!(row.range_m.len() == columns && (-360.0..=0.0).contains(&row.turn_deg));
+                });
                 if let Some(turn) = turns.push(&packet) {
                     let (image, geometry) = turn.image();
                     geometry.check().expect("a geometry");

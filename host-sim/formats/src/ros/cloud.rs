@@ -8,6 +8,8 @@ use crate::scan::{ReadOptions, Scan};
 use crate::scan_error::ScanError;
 
 const FORMAT: &str = "PointCloud2";
+/// Three coordinates of `f32`. Points without bytes would be as many as a message likes to claim.
+const LEAST_POINT_BYTES: usize = 12;
 
 /// Returns the scan of a message.
 pub fn scan(name: String, data: &[u8], options: &ReadOptions) -> Result<Scan, Cause> {
@@ -22,6 +24,9 @@ fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
     let [Some(x), Some(y), Some(z)] = readers else {
         return Err(ScanError::lacks(FORMAT, "x, y and z in floating point"));
     };
+    if point_step < LEAST_POINT_BYTES {
+        return Err(ScanError::damaged(FORMAT, "its points are too short for three coordinates"));
+    }
     let last = (rows - 1).checked_mul(row_step).and_then(|start| start.checked_add(columns.checked_mul(point_step)?));
     let long = columns.checked_mul(point_step).is_some_and(|bytes| bytes <= row_step || rows == 1);
     if !long || last.is_none_or(|end| end > message.data.len()) {
@@ -105,6 +110,8 @@ mod tests {
         assert!(refused(|m| m.row_step = 60).contains("longer than its data"));
         assert!(refused(|m| m.row_step = 40).contains("longer than its data"));
         assert!(refused(|m| m.point_step = u32::MAX).contains("longer than its data"));
+        assert!(refused(|m| (m.point_step, m.row_step, m.width) = (0, 0, 1 << 20)).contains("too short"));
+        assert!(refused(|m| m.point_step = 8).contains("too short"));
         assert!(refused(|m| m.width = u32::MAX).contains("pixels"));
         assert!(refused(|m| m.fields[0].datatype = 5).contains("x, y and z"));
         assert!(refused(|m| m.fields.clear()).contains("x, y and z"));
