@@ -10,7 +10,7 @@ use crate::arithmetic::cross;
 use crate::arithmetic::dot;
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
-use crate::plane::rules::{MEETS, MOST_RATIO, TRIED_AREAS};
+use crate::plane::rules::{MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
 use crate::plane::tried::Grown;
 use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
@@ -37,7 +37,8 @@ impl Areas<'_> {
         let u = line.sums.c;
         let (one, other) = (dot(u, line.m), dot(u, self.m(slot)));
         let far = one > MOST_RATIO * other || other > MOST_RATIO * one;
-        if far && one > 0.0 && one * one > MEETS * dot(line.m, line.m) {
+        let meets = || one > 0.0 && one * one > MEETS * dot(line.m, line.m);
+        if far && (points < WIDE || meets()) {
             return None;
         }
         let common = self.fitted(slot).with(line);
