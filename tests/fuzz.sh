@@ -19,7 +19,7 @@ cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked --debug c
 # time, and so would tracing every comparison: fuzz/README.md.
 flags() { # target
     case $1 in
-    capi | files | captures) ;;
+    capi | files | captures | clouds) ;;
     *) echo "--sanitizer none --no-trace-compares --target-dir target/plain" ;;
     esac
 }

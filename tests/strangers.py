@@ -220,7 +220,7 @@ from rosbags.typesys import Stores, get_typestore
 bag = folder / "bag"
 bag.mkdir()
 (bag / "recording.mcap").write_bytes((out / "recording.mcap").read_bytes())
-with AnyReader([bag / "recording.mcap"], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+with AnyReader([bag / "recording.mcap"], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
     kinds = {c.topic: c.msgtype for c in reader.connections}
     for connection, _, raw in reader.messages():
         reader.deserialize(raw, connection.msgtype)

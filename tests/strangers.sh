@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 have python3 || { echo "skipped: no python3"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-alone python3 -m venv "$work/env" || alone install python3-venv && alone python3 -m venv "$work/env" ||
+alone python3 -m venv "$work/env" || { install python3-venv && alone python3 -m venv "$work/env"; } ||
     { echo "skipped: no virtual environment of Python"; exit 0; }
 "$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir \
     numpy plyfile pye57 pypcd4 mcap-ros2-support rosbags >/dev/null 2>&1 ||
@@ -15,9 +15,10 @@ alone python3 -m venv "$work/env" || alone install python3-venv && alone python3
 # 1.2 GB
 "$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir open3d >/dev/null 2>&1 ||
     echo "without open3d, which could not be installed"
-"$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir ouster-sdk >/dev/null 2>&1 ||
-    echo "without ouster-sdk, which could not be installed"
 cargo build --quiet -p scanseg-sim --features db3
 "$work/env/bin/python" tests/strangers.py "${CARGO_TARGET_DIR:-target}/debug/scanseg" "$work"
+# takes an older rosbags along
+"$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir ouster-sdk >/dev/null 2>&1 ||
+    echo "without ouster-sdk, which could not be installed"
 mkdir "$work/captures"
 "$work/env/bin/python" -W ignore tests/strangers_captures.py "${CARGO_TARGET_DIR:-target}/debug/scanseg" "$work/captures"

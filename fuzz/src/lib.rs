@@ -1,4 +1,5 @@
 //! What the fuzz targets share: scans and telegrams made of a fuzzer's bytes.
 
 pub mod case;
+pub mod scan_file;
 pub mod scanner;

@@ -3,15 +3,14 @@
 #![no_main]
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
 
 use libfuzzer_sys::fuzz_target;
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
+use scanseg_formats::ReadOptions;
 use scanseg_formats::lidar::{Assembler, FiringRows, Metadata, Turns, velodyne};
-use scanseg_formats::{ReadOptions, ScanFile};
+use scanseg_fuzz::scan_file;
 
 const KINDS: [&str; 7] = [
     "sensor_msgs/msg/PointCloud2",
@@ -27,9 +26,9 @@ fuzz_target!(|data: &[u8]| {
     let Some((&kind, data)) = data.split_first() else { return };
     match kind % 5 {
         // whatever it is
-        0 => file(data),
-        1 => file(&capture(data)),
-        2 => file(&recording(data)),
+        0 => scan_file::read(data, &ReadOptions::default()),
+        1 => scan_file::read(&capture(data), &ReadOptions::default()),
+        2 => scan_file::read(&recording(data), &ReadOptions::default()),
         3 => {
             let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
             let Ok(metadata) = Metadata::parse(&String::from_utf8_lossy(&data[..end])) else { return };
@@ -102,23 +101,4 @@ fn recording(mut data: &[u8]) -> Vec<u8> {
     writer.finish().expect("an end");
     drop(writer);
     bytes.into_inner()
-}
-
-fn file(bytes: &[u8]) {
-    let path = path();
-    fs::write(&path, bytes).expect("a file");
-    let Ok(mut file) = ScanFile::open(&path, &ReadOptions::default()) else { return };
-    for n in 0..file.frames().min(4) {
-        let Ok(scan) = file.frame(n) else { continue };
-        scan.geometry.fits(scan.image.rows, scan.image.columns).expect("its size");
-        assert_eq!(scan.image.range_m.len(), scan.image.rows * scan.image.columns);
-        assert!(scan.image.range_m.iter().all(|range_m| range_m.is_finite() && *range_m >= 0.0));
-    }
-}
-
-/// In memory where there is such a folder.
-fn path() -> PathBuf {
-    let folder = PathBuf::from("/dev/shm");
-    let folder = if folder.is_dir() { folder } else { std::env::temp_dir() };
-    folder.join(format!("scanseg-captures-{}", std::process::id()))
 }

@@ -116,7 +116,7 @@ fn what_other_programs_get() {
     let folder = folder("exports");
     fs::write(folder.join("wall.png"), wall(0.002).to_png()).unwrap();
     let arguments = "segment wall.png --fx 60 --unit-m 0.0001 --range-noise-m 0.002";
-    succeeds(&folder, &format!("{arguments} --out out --write ply,pcd,json,csv,geojson,mcap"));
+    succeeds(&folder, &format!("{arguments} --out out --write ply,pcd,json,csv,geojson"));
     let written = |name: &str| fs::read(folder.join("out").join(name)).unwrap();
     let clouds = ["points.pcd", "points.ply"].map(|name| read(&folder.join("out").join(name), None));
     for scan in &clouds {
@@ -139,14 +139,34 @@ fn what_other_programs_get() {
     let csv = String::from_utf8(written("outlines.csv")).unwrap();
     assert_eq!(csv.lines().count() - 1, outline["corners_m"].as_array().unwrap().len());
     assert!(written("outlines.ply").starts_with(b"ply\nformat ascii 1.0\n"));
-    let recording = written("recording.mcap");
+    // and nothing of it unless it is asked for
+    succeeds(&folder, &format!("{arguments} --out plain"));
+    assert!(!folder.join("plain/outlines.json").exists());
+}
+
+#[cfg(feature = "ros")]
+#[test]
+fn a_recording_has_rows_planes_and_points_in_the_order_of_time() {
+    let folder = folder("recording");
+    fs::write(folder.join("wall.png"), wall(0.002).to_png()).unwrap();
+    succeeds(&folder, "segment wall.png --fx 60 --unit-m 0.0001 --range-noise-m 0.002 --out out --write mcap");
+    let recording = fs::read(folder.join("out/recording.mcap")).unwrap();
     let messages: Vec<_> = mcap::MessageStream::new(&recording).unwrap().map(|message| message.unwrap()).collect();
     let on = |topic: &str| messages.iter().filter(|message| message.channel.topic == topic).count();
     assert_eq!((on("/rows"), on("/planes"), on("/points")), (40, 1, 1));
     assert!(messages.is_sorted_by_key(|message| message.log_time));
-    // and nothing of it unless it is asked for
-    succeeds(&folder, &format!("{arguments} --out plain"));
-    assert!(!folder.join("plain/outlines.json").exists() && !folder.join("plain/recording.mcap").exists());
+    // and its points are a scan again
+    let options = ReadOptions { topic: Some("/points".into()), ..ReadOptions::default() };
+    let scan = ScanFile::open(folder.join("out/recording.mcap"), &options).unwrap().frame(0).unwrap();
+    assert_eq!((scan.image.rows, scan.image.columns, scan.measured), (40, 60, 2400));
+}
+
+#[cfg(not(feature = "ros"))]
+#[test]
+fn a_recording_says_what_reads_it() {
+    let folder = folder("no-recording");
+    fs::write(folder.join("run.mcap"), b"\x89MCAP0\r\n").unwrap();
+    fails(&folder, "segment run.mcap --out out", &["a recording of ROS 2 without the feature ros of this build"]);
 }
 
 #[test]

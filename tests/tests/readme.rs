@@ -23,3 +23,23 @@ fn programs_are_examples() {
     }
     assert_eq!(found, 4);
 }
+
+/// The tables of docs/formats.md name a test for each row: `file: function`.
+#[test]
+fn formats_that_are_listed_are_tested() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let page = fs::read_to_string(root.join("docs/formats.md")).unwrap();
+    let rows = page.lines().filter(|line| line.starts_with("| ") && !line.ends_with("test |"));
+    let mut found = 0;
+    for row in rows {
+        let test = row.trim_end_matches("` |").rsplit('`').next().unwrap();
+        let (file, name) = test.split_once(": ").unwrap_or_else(|| panic!("no test in {row}"));
+        let text = fs::read_to_string(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert!(
+            text.contains(&format!("#[test]\nfn {name}(")) || text.contains(&format!("#[test]\n    fn {name}(")),
+            "{test}"
+        );
+        found += 1;
+    }
+    assert!(found > 15, "{found}");
+}

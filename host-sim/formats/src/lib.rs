@@ -16,6 +16,7 @@ mod limits;
 mod noise;
 mod npy;
 pub mod range_image;
+#[cfg(feature = "ros")]
 mod ros;
 pub mod scan;
 mod scan_error;

@@ -9,6 +9,7 @@ use crate::file::{Cause, FileError};
 use crate::grey_image::{GreyImage, MAX_PIXELS};
 use crate::lidar::{Datagrams, ld06, pcap};
 use crate::npy;
+#[cfg(feature = "ros")]
 use crate::ros;
 use crate::scan::{Frames, ReadOptions, Scan, Source};
 use crate::scan_error::ScanError;
@@ -104,6 +105,7 @@ impl ScanFile {
 const MAX_CLOUD_BYTES: u64 = 64 * MAX_PIXELS as u64;
 
 fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Cause> {
+    #[cfg(feature = "ros")]
     if path.is_dir()
         && let Some(recording) = ros::is_folder_of_one(path)?
     {
@@ -118,8 +120,15 @@ fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Caus
         Format::Pcd => Box::new(pcd::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
         Format::Ply => Box::new(ply::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
         Format::Packets => Box::new(pcap::frames(path, options)?),
+        #[cfg(feature = "ros")]
         Format::Mcap => Box::new(ros::frames_of_mcap(path, options)?),
+        #[cfg(feature = "ros")]
         Format::Db3 => Box::new(ros::frames_of_db3(path, options)?),
+        #[cfg(not(feature = "ros"))]
+        Format::Mcap | Format::Db3 => {
+            let what = "the feature ros of this build: cargo build --release --features ros (or db3)";
+            return Err(ScanError::lacks("a recording of ROS 2", what).into());
+        }
         Format::Ld06 => Box::new(ld06::scan(name, &source.bytes(ld06::MAX_BYTES)?, options)?),
         Format::E57 => Box::new(E57File::open(name, source.bytes(MAX_CLOUD_BYTES)?, options)?),
     })

@@ -1,6 +1,8 @@
 //! The memory that files take, whatever they claim: allocations are counted.
 
-use scanseg_formats::{Geometry, GreyImage};
+mod clouds;
+
+use scanseg_formats::{Depth, Geometry, GreyImage, Kind, ReadOptions, ScanFile};
 
 /// The most bytes that were taken at a time.
 fn most_bytes(work: impl FnOnce()) -> u64 {
@@ -50,4 +52,67 @@ fn a_geometry_takes_some_times_its_text() {
     let keys: String = (0..20_000).map(|i| format!("k{i} = 1\n")).collect();
     let most = most_bytes(|| assert!(Geometry::parse(&keys).is_err()));
     assert!(most < 100 * keys.len() as u64, "{most} of {}", keys.len());
+}
+
+/// Headers that claim the most pixels there may be, over nothing.
+#[test]
+fn a_cloud_that_claims_much_takes_next_to_nothing() {
+    let pcd = |data: &str| {
+        format!(
+            "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4096\nHEIGHT 4096\nPOINTS 16777216\nDATA {data}\n"
+        )
+        .into_bytes()
+    };
+    let packed = [&pcd("binary_compressed")[..], &[8, 0, 0, 0, 0, 0, 0, 12], &[0; 8]].concat();
+    let ply = |of: &str, kind: &str| {
+        format!(
+            "ply\nformat {kind} 1.0\nobj_info num_cols 4096\nobj_info num_rows 4096\nelement vertex {of}\n\
+             property float x\nproperty float y\nproperty float z\nelement empty 99999999999\nend_header\n0 0 0\n"
+        )
+        .into_bytes()
+    };
+    let shape = "{'descr': '<f4', 'fortran_order': False, 'shape': (4096, 4096, 3)}\n";
+    let npy = [b"\x93NUMPY\x01\x00", &(shape.len() as u16).to_le_bytes()[..], shape.as_bytes()].concat();
+    // a list of scans of 50 MB, in an E57 of one page
+    let mut e57 = vec![0; 1024];
+    e57[..8].copy_from_slice(b"ASTM-E57");
+    e57[8] = 1;
+    e57[16..24].copy_from_slice(&1024u64.to_le_bytes());
+    e57[32..40].copy_from_slice(&50_000_000u64.to_le_bytes());
+    e57[40..48].copy_from_slice(&1024u64.to_le_bytes());
+    let files = [
+        pcd("ascii"),
+        pcd("binary"),
+        packed,
+        ply("16777216", "ascii"),
+        ply("16777216", "binary_little_endian"),
+        npy,
+        e57,
+    ];
+    for (i, bytes) in files.iter().enumerate() {
+        let path = clouds::file(&format!("claim{i}"), bytes);
+        let most = most_bytes(|| assert!(ScanFile::open(&path, &ReadOptions::default()).is_err()));
+        assert!(most < 100_000, "{i}: {most} bytes");
+    }
+}
+
+#[test]
+fn a_cloud_takes_some_times_its_file() {
+    let (rows, columns) = (200, 300);
+    let kind = Kind::Pinhole { fx_px: 300.0, fy_px: 300.0, cx_px: 150.0, cy_px: 100.0, depth: Depth::Range };
+    let points = clouds::points_of(&Geometry::of(kind), rows, columns, |row, column| (row + column) % 5 > 0);
+    let shaken: Vec<_> = (0..).zip(&points).map(|(i, p)| [p[0], p[1] + 0.02 * ((i * 37 % 11) as f32), p[2]]).collect();
+    let text = |points: &[[f32; 3]]| points.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<_>>();
+    let files = [
+        ("binary", clouds::binary_pcd(rows, columns, &points)),
+        ("packed", clouds::packed_pcd(rows, columns, &points)),
+        ("ascii", clouds::ascii_pcd(rows, columns, &text(&points))),
+        ("free", clouds::binary_pcd(rows, columns, &shaken)),
+    ];
+    for (name, bytes) in files {
+        let path = clouds::file(name, &bytes);
+        let most = most_bytes(|| assert!(ScanFile::open(&path, &ReadOptions::default()).is_ok()));
+        println!("{name}: {:.1} times its file", most as f64 / bytes.len() as f64);
+        assert!(most < 12 * bytes.len() as u64, "{name}: {most} of {}", bytes.len());
+    }
 }

@@ -1,8 +1,10 @@
 //! What `scanseg segment --write` adds to the folder of results.
 
 use clap::{Args, ValueEnum};
+#[cfg(feature = "ros")]
+use scanseg_sim::export::mcap;
 use scanseg_sim::export::outlines::Outlines;
-use scanseg_sim::export::{Segmented, mcap, points};
+use scanseg_sim::export::{Segmented, points};
 
 use crate::command::output::{Failure, Files};
 
@@ -10,7 +12,7 @@ use crate::command::output::{Failure, Files};
 #[derive(Args, Default)]
 pub struct ExportOptions {
     /// Also write, for other programs: outlines.ply; points.pcd; outlines.json;
-    /// outlines.csv; outlines.geojson; recording.mcap. See docs/formats.md
+    /// outlines.csv; outlines.geojson; recording.mcap (feature ros). See docs/formats.md
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
     write: Vec<Export>,
 }
@@ -28,6 +30,7 @@ enum Export {
     /// Outlines as polygons, in metres
     Geojson,
     /// Points and planes row by row, as ROS 2 messages
+    #[cfg(feature = "ros")]
     Mcap,
 }
 
@@ -39,6 +42,7 @@ impl ExportOptions {
         if asked(Export::Pcd) {
             files.push(("points.pcd", points::pcd(scan)));
         }
+        #[cfg(feature = "ros")]
         if asked(Export::Mcap) {
             files.push(("recording.mcap", mcap::mcap(scan)?));
         }

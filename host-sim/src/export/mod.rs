@@ -3,11 +3,13 @@
 //! Coordinates are metres in the scanner's frame: x forward, y left, z up.
 
 mod convex;
+#[cfg(feature = "ros")]
 pub mod mcap;
 mod outline;
 pub mod outlines;
 mod planarity;
 pub mod points;
+#[cfg(feature = "ros")]
 mod ros;
 mod segmented;
 

@@ -8,6 +8,7 @@ pub(crate) mod number;
 pub(crate) mod pcd;
 mod pinhole;
 pub(crate) mod ply;
+mod ply_header;
 mod recognise;
 
 use crate::cloud::fit::length;

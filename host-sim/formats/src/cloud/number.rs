@@ -44,6 +44,14 @@ impl Number {
         }
     }
 
+    /// Returns the number of its bytes, big end first.
+    pub fn big_endian(self, bytes: &[u8]) -> f64 {
+        let mut turned = [0; 8];
+        let turned = &mut turned[..self.bytes()];
+        turned.iter_mut().zip(bytes.iter().rev()).for_each(|(to, from)| *to = *from);
+        self.at(turned, 0)
+    }
+
     /// Returns the number at a place of `data`; NaN beyond its end.
     pub fn at(self, data: &[u8], place: usize) -> f64 {
         fn array<const N: usize>(data: &[u8], place: usize) -> Option<[u8; N]> {

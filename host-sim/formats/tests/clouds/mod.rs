@@ -1,4 +1,5 @@
 //! Clouds that tests make, and their files.
+#![allow(dead_code)] // each test uses some of it
 
 use std::fs;
 use std::path::{Path, PathBuf};
