@@ -57,3 +57,17 @@ pub fn vectors(what: &str, any: &Bound<'_, PyAny>) -> PyResult<(usize, usize, Ve
     let (vectors, _) = numbers.values.as_chunks();
     Ok((rows, columns, vectors.iter().map(|v: &[f64; 3]| v.map(|x| x as f32)).collect()))
 }
+
+/// Returns the ids of an image of labels, row by row, with its rows and columns.
+pub fn ids(what: &str, any: &Bound<'_, PyAny>) -> PyResult<(usize, usize, Vec<u16>)> {
+    let numbers = Numbers::of(what, any)?;
+    let [rows, columns] = numbers.shape(what, "rows x columns")?;
+    // masked: in no region
+    let id = |&x: &f64| {
+        if x.is_nan() { Some(0) } else { (x.fract() == 0.0 && x >= 0.0 && x <= 65535.0).then_some(x as u16) }
+    };
+    let ids: Option<Vec<u16>> = numbers.values.iter().map(id).collect();
+    let wrong = || numbers.values.iter().find(|x| id(x).is_none()).copied().unwrap_or_default();
+    let ids = ids.ok_or_else(|| value_error(format!("{what}: {}, must be a whole number from 0 to 65535", wrong())))?;
+    Ok((rows, columns, ids))
+}

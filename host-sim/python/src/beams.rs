@@ -6,11 +6,12 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use scanseg_core::MAX_RANGE_M;
 use scanseg_formats::{Angles, Beside, Depth, Geometry, GeometryError, Kind, TurnAxis};
 use scanseg_sim::export::point_m;
 
 use crate::arrays::{Numbers, list, vectors};
-use crate::value_error;
+use crate::{file_error, value_error};
 
 /// Where the beams of the pixels point, and what is known of the scanner: a geometry.
 #[pyclass(frozen, eq, module = "scanseg")]
@@ -32,6 +33,17 @@ impl Beams {
         let geometry = Geometry { beside, ..Geometry::of(kind) };
         check(&geometry).map_err(value_error)?;
         Ok(Beams::of(geometry, false))
+    }
+
+    /// The beams of a scan whose ranges are along the beams, whatever its pixels measured, and lack what
+    /// is outside of the limits.
+    pub fn of_ranges(mut geometry: Geometry) -> Beams {
+        if let Kind::Pinhole { depth: depth @ Depth::Z, .. } = &mut geometry.kind {
+            *depth = Depth::Range;
+            // that of the depths is none of the ranges
+            geometry.max_range_m = geometry.max_range_m.map(|_| MAX_RANGE_M.into());
+        }
+        Beams::of(geometry, false)
     }
 
     /// Returns how many rows an image has, if the beams tell.
@@ -73,6 +85,14 @@ fn with_turns(geometry: &Geometry) -> Option<Geometry> {
     let turn_deg = Angles::Even { start_deg: 0.0, step_deg: 1.0 };
     let kind = Kind::Nodding { beam_deg: beam_deg.clone(), turn_deg, turn_axis: *turn_axis };
     list.is_empty().then(|| Geometry { kind, ..geometry.clone() })
+}
+
+/// Returns the text of a geometry file, if there are such beams in one.
+pub fn toml_of(geometry: &Geometry) -> PyResult<String> {
+    match &geometry.kind {
+        Kind::Free { .. } => Err(value_error("a geometry file has no beams of kind free")),
+        _ => Ok(geometry.to_toml()),
+    }
 }
 
 fn listed(what: &str, any: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Angles>> {
@@ -206,7 +226,7 @@ impl Beams {
     /// Beams
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Beams> {
-        Ok(Beams::of(Geometry::read(&path).map_err(value_error)?, true))
+        Ok(Beams::of(Geometry::read(&path).map_err(file_error)?, true))
     }
 
     /// Return the beams of the text of a geometry file, see `read`.
@@ -217,10 +237,7 @@ impl Beams {
 
     /// Return the text of a geometry file. Free beams have none.
     fn to_toml(&self) -> PyResult<String> {
-        match &self.geometry.kind {
-            Kind::Free { .. } => Err(value_error("a geometry file has no beams of kind free")),
-            _ => Ok(self.geometry.to_toml()),
-        }
+        toml_of(&self.geometry)
     }
 
     /// "nodding", "spinning", "pinhole" or "free".

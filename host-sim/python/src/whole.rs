@@ -131,7 +131,7 @@ impl Found {
         dict.set_item("noise_m", segmentation.noise.map(|noise| noise.counted_m))?;
         dict.set_item("noise_range_m", segmentation.noise.map(|noise| noise.range_m))?;
         dict.set_item("unlabelled", segmentation.unlabelled)?;
-        dict.set_item("beams", Bound::new(py, Beams::of(geometry, false))?)?;
+        dict.set_item("beams", Bound::new(py, Beams::of_ranges(geometry))?)?;
         Ok(dict)
     }
 }

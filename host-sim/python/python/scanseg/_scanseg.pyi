@@ -1,10 +1,24 @@
+from collections.abc import Iterator
 from os import PathLike
 from typing import Any, Literal, TypedDict, final, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Beams", "RowSegmenter", "segment", "segment_cloud"]
+from scanseg._files import Scan
+
+__all__ = [
+    "Beams",
+    "RowSegmenter",
+    "ScanFile",
+    "evaluate",
+    "office",
+    "read_labels",
+    "segment",
+    "segment_cloud",
+    "write_labels",
+    "write_ranges",
+]
 
 @type_check_only
 class Found(TypedDict):
@@ -55,7 +69,29 @@ class Beams:
     def to_toml(self) -> str: ...
     @property
     def kind(self) -> Literal["nodding", "spinning", "pinhole", "free"]: ...
+    @staticmethod
+    def _unpickled(
+        toml: str, has_unit: bool, no_turns: bool, directions: ArrayLike | None, wraps: bool
+    ) -> Beams: ...
     def points(self, ranges: ArrayLike) -> NDArray[np.float64]: ...
+
+@final
+class ScanFile:
+    def __new__(
+        cls,
+        path: str | PathLike[str],
+        *,
+        geometry: str | PathLike[str] | None = None,
+        unit_m: float | None = None,
+        fx: float | None = None,
+        fy: float | None = None,
+        cx: float | None = None,
+        cy: float | None = None,
+        topic: str | None = None,
+    ) -> ScanFile: ...
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Scan]: ...
+    def __getitem__(self, n: int, /) -> Scan: ...
 
 @final
 class RowSegmenter:
@@ -93,3 +129,14 @@ def segment_cloud(
     max_range_m: float | None,
     min_pixels: int,
 ) -> Found: ...
+def evaluate(
+    labels: ArrayLike, truth: ArrayLike, tolerance: float, min_pixels: int
+) -> dict[str, Any]: ...
+def office(
+    scene: int, set: str, sensor: str, shape: tuple[int, int] | None, noise_m: float, seed: int
+) -> dict[str, Any]: ...
+def read_labels(path: str | PathLike[str]) -> NDArray[np.uint16]: ...
+def write_labels(path: str | PathLike[str], labels: ArrayLike) -> None: ...
+def write_ranges(
+    path: str | PathLike[str], ranges: ArrayLike, beams: Beams, *, unit_m: float = 0.001
+) -> None: ...
