@@ -16,7 +16,8 @@ MIRIFLAGS+=" -Zmiri-env-set=PROPTEST_CASES=3 -Zmiri-env-set=PROPTEST_DISABLE_FAI
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 miri() { # target, then what to test
-    cargo +nightly miri test --quiet --target-dir target/miri --target "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
+    timeout 15m cargo +nightly miri test --target-dir target/miri --target "$@" >"$log" 2>&1 ||
+        { tail -n 40 "$log"; echo "failed, or not done in a quarter of an hour"; exit 1; }
     echo "$*: $(awk '/^test result/ { passed += $4; ignored += $8 } END { print passed " tests, " ignored " left out" }' "$log")"
 }
 miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --features scanseg-hal/link --tests
