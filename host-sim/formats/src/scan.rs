@@ -78,7 +78,7 @@ pub struct CameraOptions {
 }
 
 /// The scans of a file. Each format makes its own.
-pub(crate) trait Frames {
+pub(crate) trait Frames: Send {
     /// Returns how many there are, one or more.
     fn count(&self) -> usize;
 

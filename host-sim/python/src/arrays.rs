@@ -64,7 +64,7 @@ pub fn ids(what: &str, any: &Bound<'_, PyAny>) -> PyResult<(usize, usize, Vec<u1
     let [rows, columns] = numbers.shape(what, "rows x columns")?;
     // masked: in no region
     let id = |&x: &f64| {
-        if x.is_nan() { Some(0) } else { (x.fract() == 0.0 && x >= 0.0 && x <= 65535.0).then_some(x as u16) }
+        if x.is_nan() { Some(0) } else { (x.fract() == 0.0 && (0.0..=65535.0).contains(&x)).then_some(x as u16) }
     };
     let ids: Option<Vec<u16>> = numbers.values.iter().map(id).collect();
     let wrong = || numbers.values.iter().find(|x| id(x).is_none()).copied().unwrap_or_default();

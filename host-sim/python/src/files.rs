@@ -1,6 +1,7 @@
 //! Files with scans and with labels.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyIndexError;
@@ -42,11 +43,11 @@ use crate::{file_error, value_error};
 ///
 /// Notes
 /// -----
-/// ``len(file)`` is the number of its scans, ``file[n]`` reads one, and ``for scan in file`` all.
-#[pyclass(module = "scanseg")]
+/// ``len(file)`` is the number of its scans, ``file[n]`` reads one, and ``for scan in file`` all. Those of a
+/// capture or recording come one after the other: an earlier one is looked for from the start again.
+#[pyclass(frozen, module = "scanseg")]
 pub struct ScanFile {
-    path: PathBuf,
-    options: ReadOptions,
+    file: Mutex<File>,
     frames: usize,
 }
 
@@ -68,8 +69,8 @@ impl ScanFile {
     ) -> PyResult<ScanFile> {
         let camera = CameraOptions { fx_px: fx, fy_px: fy, cx_px: cx, cy_px: cy };
         let options = ReadOptions { geometry, unit_m, camera, topic };
-        let frames = py.detach(|| File::open(&path, &options).map(|file| file.frames())).map_err(file_error)?;
-        Ok(ScanFile { path, options, frames })
+        let file = py.detach(|| File::open(&path, &options)).map_err(file_error)?;
+        Ok(ScanFile { frames: file.frames(), file: Mutex::new(file) })
     }
 
     fn __len__(&self) -> usize {
@@ -82,7 +83,7 @@ impl ScanFile {
         if !(0..count).contains(&at) {
             return Err(PyIndexError::new_err(format!("scan {n} of {count}")));
         }
-        let read = || File::open(&self.path, &self.options)?.frame(at as usize);
+        let read = || self.file.lock().unwrap_or_else(PoisonError::into_inner).frame(at as usize);
         let Scan { name, image, geometry, remarks, .. } = py.detach(read).map_err(file_error)?;
         let ranges = image.range_m.into_pyarray(py).reshape([image.rows, image.columns])?;
         let dict = PyDict::new(py);

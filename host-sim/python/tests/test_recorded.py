@@ -56,6 +56,9 @@ def test_labels_are_those_of_the_command(recorded, command, tmp_path, scan, geom
     read = scanseg.read(path, geometry=geometry, **reading)
     result = scanseg.segment(read.ranges, read.beams, **settings)
     assert np.array_equal(result.labels, expected)
+    if geometry:
+        counts = scanseg.segment(scanseg.read_labels(path), scanseg.Beams.read(geometry), **settings)
+        assert np.array_equal(counts.labels, expected)
     table = np.genfromtxt(tmp_path / "segments.csv", delimiter=",", names=True, dtype=None, encoding=None)
     table = np.atleast_1d(table)
     assert len(table) == len(result.segments)
