@@ -164,22 +164,26 @@ def test_free_beams_find_the_same(room):
     check_room(scanseg.segment(ranges, free, noise=0.005))
 
 
-def test_the_lock_is_released():
-    """A thread counts while another one segments: without the lock released it would not begin."""
-    beams = scanseg.Beams.pinhole(500, 500, 1000, 500)
-    ranges = np.full((1000, 2000), 3.0)
-    counted, stop = [0], threading.Event()
+def test_the_lock_is_released(room):
+    """This thread segments small images while another one segments a large one.
 
-    def count():
-        while not stop.is_set():
-            counted[0] += 1
+    With the lock held this one would get no further than a few, before the other one has begun.
+    """
+    beams, ranges = room
+    begun, done = threading.Event(), threading.Event()
+    camera, wall = scanseg.Beams.pinhole(500, 500, 500, 500), np.full((1000, 1000), 3.0)
 
-    thread = threading.Thread(target=count)
-    results = []
-    worker = threading.Thread(target=lambda: results.append(scanseg.segment(ranges, beams, noise=0.01)))
-    worker.start()
+    def large():
+        begun.set()
+        scanseg.segment(wall, camera, noise=0.01)
+        done.set()
+
+    thread = threading.Thread(target=large)
     thread.start()
-    worker.join()
-    stop.set()
+    begun.wait()
+    small = 0
+    while not done.is_set():
+        scanseg.segment(ranges, beams, noise=0.01)
+        small += 1
     thread.join()
-    assert results and counted[0] > 0
+    assert small > 12
