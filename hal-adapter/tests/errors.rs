@@ -35,7 +35,8 @@ fn texts() {
         (&RigError::Rates { min: 2.0, max: 1.0 }, "the tilt cannot turn at 2 to 1 rad/s"),
         (&RigError::Sweep(-1.0), "a sweep cannot be -1 rad"),
         (&RigError::Pause { needed_us: 40_000, got_us: 7 }, "pause must be 40000 us or more, is 7"),
-        (&RigError::Memory { needed: 362, got: 361 }, "rows need memory for 362 ranges, got 361"),
+        (&RigError::Memory { needed: 362, got: 361 }, "rows need memory for 362 numbers, got 361"),
+        (&RigError::Mount { field: "step_rad", value: 0.0 }, "step_rad of a mount cannot be 0"),
     ];
     for (error, text) in errors {
         assert_eq!(error.to_string(), text);

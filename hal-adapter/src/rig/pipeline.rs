@@ -2,15 +2,15 @@
 
 use core::mem;
 
-use scanseg_core::{Finished, PushError, Segmenter, Status};
+use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Status};
 
 use super::counters::{Counters, Dropped, count};
 use super::limits::{RigError, TiltLimits};
 use super::place::Place;
 use super::sink::{Counting, End, RigSink, ScanFinished, ScanStarted};
 use crate::latch::Latch;
-use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, Trouble, feed};
-use crate::pairing::{BeamAges, Pairing, RowTurn};
+use crate::lms2xx::{Settings, Trouble};
+use crate::pairing::Pairing;
 
 /// The largest distance of two rows, in telegrams, at which the limits of the rate suffice to
 /// detect a jump of the encoder.
@@ -27,15 +27,19 @@ struct Progress {
     stopped: bool,
 }
 
-/// Scanner, tilt and segmenter: see [`rig`](crate::rig).
+/// Scanner, tilt and segmenter: see [`rig`](crate::rig). `K` is what the rig knows of its scanner: the
+/// [`Settings`] of an LMS 2xx, or the [`Mount`](super::Mount) of another line scanner.
 #[derive(Debug)]
-pub struct Rig<'a, S> {
-    settings: Settings,
+pub struct Rig<'a, S, K = Settings> {
+    pub(super) scanner: K,
+    columns: u16,
+    /// Time from row to row.
+    period_us: u32,
     limits: TiltLimits,
     segmenter: S,
-    pairing: Pairing,
-    /// The ranges of the last row, and of the row held.
-    row_m: &'a mut [f32],
+    pub(super) pairing: Pairing,
+    /// The ranges of the last row, and of the row held; behind them the directions of free beams.
+    pub(super) row_m: &'a mut [f32],
     held_m: &'a mut [f32],
     /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
     /// with it.
@@ -46,30 +50,34 @@ pub struct Rig<'a, S> {
     followed: Option<Place>,
     jumped_us: u64,
     /// Times of start bytes: of the telegram under way, and of the last valid one.
-    start_us: Option<u64>,
-    last_start_us: Option<u64>,
-    counters: Counters,
+    pub(super) start_us: Option<u64>,
+    pub(super) last_start_us: Option<u64>,
+    pub(super) counters: Counters,
 }
 
-impl<'a, S: Segmenter> Rig<'a, S> {
-    /// Returns a rig. `settings` are those of the scanner's session. `segmenter` has the columns of
-    /// the variant and its [`beams`](super::beams). `rows_m` is memory for two rows of ranges.
-    ///
-    /// # Errors
-    /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
-    pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
-        limits.check(&settings)?;
-        let columns = usize::from(settings.variant.columns());
-        let (needed, got) = (2 * columns, rows_m.len());
-        let Some((row_m, held_m)) = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(columns))
-        else {
-            return Err(RigError::Memory { needed, got });
-        };
+impl<'a, S: Segmenter, K> Rig<'a, S, K> {
+    /// Puts a rig together: columns of a row, numbers that are kept of each, and the time from row
+    /// to row.
+    pub(super) fn of_parts(
+        scanner: K,
+        (columns, numbers, period_us): (u16, usize, u32),
+        limits: TiltLimits,
+        segmenter: S,
+        pairing: Pairing,
+        rows_m: &'a mut [f32],
+    ) -> Result<Self, RigError> {
+        limits.check(period_us)?;
+        let row = numbers * usize::from(columns);
+        let (needed, got) = (2 * row, rows_m.len());
+        let rows_m = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(row));
+        let (row_m, held_m) = rows_m.ok_or(RigError::Memory { needed, got })?;
         Ok(Self {
-            settings,
+            scanner,
+            columns,
+            period_us,
             limits,
             segmenter,
-            pairing: Pairing::new(&settings),
+            pairing,
             row_m,
             held_m,
             held: None,
@@ -98,30 +106,6 @@ impl<'a, S: Segmenter> Rig<'a, S> {
             }
         }
         self.followed = Some(here);
-    }
-
-    /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
-    pub fn receive(&mut self, session: &mut Session, bytes: &[u8], now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
-        self.counters.bytes = self.counters.bytes.wrapping_add(bytes.len() as u64);
-        let mut rest = bytes;
-        while let (used, Some(event)) = feed(session, rest, now_us) {
-            rest = rest.get(used..).unwrap_or(&[]);
-            self.handle(event, session.scan_line(), sink);
-        }
-    }
-
-    /// Takes an event of a scanner on its port, and with [`ScannerEvent::ScanLine`] its scan line.
-    pub fn handle(&mut self, event: ScannerEvent, line: Option<ScanLine<'_>>, sink: &mut (impl RigSink + ?Sized)) {
-        match (event, line) {
-            (ScannerEvent::Start { time_us }, _) => {
-                self.start_us = Some(time_us);
-                self.pairing.start(time_us);
-            }
-            (ScannerEvent::ScanLine, Some(line)) => self.telegram(&line, sink),
-            (ScannerEvent::ScanLine, None) => {}
-            (ScannerEvent::Rejected(_), _) => count(&mut self.counters.rejected),
-            (ScannerEvent::Trouble(trouble), _) => self.trouble(trouble, sink),
-        }
     }
 
     /// Takes a trouble of the scanner, and ends the scan.
@@ -165,44 +149,10 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         self.segmenter
     }
 
-    fn telegram(&mut self, line: &ScanLine<'_>, sink: &mut (impl RigSink + ?Sized)) {
-        count(&mut self.counters.telegrams);
-        // The first telegram after a trouble may come while the session still waits for an answer.
-        // It has no start byte.
-        let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
-        self.count_lost(start_us, line.scans());
-        let turn = self.pairing.row(BeamAges::of(line, self.settings.variant));
-        if !line.fits(self.settings.variant) {
-            return self.drop_row(Dropped::Columns, sink);
-        }
-        if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
-            return self.drop_row(Dropped::Status, sink);
-        }
-        match self.place(turn, start_us) {
-            Err(dropped) => self.drop_row(dropped, sink),
-            Ok(row) => {
-                line.row_m(self.settings.mode, self.settings.variant, self.row_m);
-                self.row(row, sink);
-            }
-        }
-    }
-
-    /// Counts the telegrams lost since the last valid one, by the time.
-    fn count_lost(&mut self, start_us: u64, scans: u8) {
-        let period_us = u64::from(self.settings.period_us()).max(1) * u64::from(scans.max(1));
-        if let Some(last_us) = self.last_start_us.replace(start_us) {
-            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
-            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
-        }
-    }
-
     /// Returns where the tilt was, or why that is not known.
-    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Place, Dropped> {
-        let turn = turn.ok_or(Dropped::NoTurn)?;
-        let rate_rad_per_s = turn.rate_rad_per_s();
+    pub(super) fn place(&self, turn_rad: f32, rate_rad_per_s: f32, start_us: u64) -> Result<Place, Dropped> {
         if self.limits.plausible(rate_rad_per_s) {
-            // one angle for all: angles of their own take the edge-based approach four times as long
-            Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us })
+            Ok(Place { turn_rad, rising: rate_rad_per_s > 0.0, start_us })
         } else if rate_rad_per_s.abs() < self.limits.min_rate_rad_per_s {
             Err(Dropped::Standing)
         } else {
@@ -214,14 +164,14 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     /// are of one sweep. Over a long time a jump can stay within the limits of the rate, so the
     /// samples must have shown none.
     fn goes_on(&self, before: &Place, place: &Place) -> Option<f32> {
-        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.settings.period_us());
+        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.period_us);
         let sure = near || self.jumped_us < before.start_us;
         place.since(before, &self.limits).filter(|_| sure)
     }
 
     /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
     /// one to be held.
-    fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
+    pub(super) fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
         if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
@@ -253,12 +203,12 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
             number: self.counters.scans,
-            columns: self.row_m.len() as u16,
+            columns: self.columns,
             turn_rad: first.turn_rad,
         });
     }
 
-    /// Gives `row_m` to the segmenter.
+    /// Gives the last row to the segmenter.
     fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
         let Some(scan) = &mut self.scan else { return };
         scan.last = place;
@@ -267,7 +217,10 @@ impl<'a, S: Segmenter> Rig<'a, S> {
             return self.drop_row(Dropped::Stopped, sink);
         }
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
-        match self.segmenter.push_row(self.row_m, place.turn_rad, &mut counting) {
+        let (ranges_m, rest) = self.row_m.split_at_checked(self.columns.into()).unwrap_or_default();
+        let (directions, _) = rest.as_chunks();
+        let beams = if directions.is_empty() { place.turn_rad.into() } else { RowBeams::free(directions) };
+        match self.segmenter.push_row(ranges_m, beams, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);
                 scan.stopped = status == Status::Stopped;
@@ -302,7 +255,7 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         }
     }
 
-    fn drop_row(&mut self, dropped: Dropped, sink: &mut (impl RigSink + ?Sized)) {
+    pub(super) fn drop_row(&mut self, dropped: Dropped, sink: &mut (impl RigSink + ?Sized)) {
         count(self.counters.of(dropped));
         sink.row_dropped(dropped);
     }
