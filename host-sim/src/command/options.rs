@@ -1,18 +1,13 @@
 //! The options that every segmenting subcommand takes: the configuration, value by value.
 
 use clap::{Args, ValueEnum};
-use scanseg_core::{
-    AnyConfig, Approach, ConfigError, EdgeConfig, Element, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig, Trace,
-};
-use scanseg_formats::{Depth, Geometry, Kind, Noise, SENSORS, Sensor};
-use scanseg_sim::segmentation::{self, SegmentationError, stated_noise_m};
+use scanseg_core::{AnyConfig, Approach, ConfigError, EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};
+use scanseg_formats::{Geometry, Noise, SENSORS, Sensor};
+use scanseg_sim::segmentation::{SegmentationError, ranging_of, states_noise};
 use serde::Serialize;
 
 use crate::command::input::with_page;
 use crate::command::output::Failure;
-
-/// Edges and regions take the noise that is stated of this range for that of all.
-const USUAL_RANGE_M: f32 = 3.0;
 
 #[derive(Args)]
 pub struct Options {
@@ -120,31 +115,14 @@ impl Options {
     /// Returns whether anything is stated of the noise of the ranges.
     pub fn states_noise(&self, geometry: &Geometry) -> bool {
         let (range_noise_m, noise) = self.errors(geometry);
-        let Noise { range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2, .. } = noise;
-        [range_noise_m, range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2].iter().any(|&x| x > 0.0)
+        states_noise(range_noise_m, &noise)
     }
 
     fn ranging(&self, geometry: &Geometry, approach: Approach) -> Ranging {
-        let preset = EdgeConfig::paper().ranging;
-        // The range image already lacks what is outside of the geometry's limits, which for depths
-        // along a camera's axis are no limits of the range.
-        let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
-        let no_minimum = |m: f64| if m > 0.0 { m as f32 } else { f32::MIN_POSITIVE };
-        let maximum = |m: f64| if depths { MAX_RANGE_M } else { MAX_RANGE_M.min(m as f32) };
-        let given = |option: Option<f64>, in_file: Option<f32>, preset: f32| {
-            option.map(|m| m as f32).or(in_file).unwrap_or(preset)
-        };
-        let (noise_m, noise) = self.errors(geometry);
-        let mut ranging = segmentation::ranging(noise_m as f32, &noise);
-        if approach != Approach::Plane {
-            // one number must do
-            let stated = self.states_noise(geometry);
-            ranging.range_noise_m = if stated { stated_noise_m(&ranging, USUAL_RANGE_M) } else { preset.range_noise_m };
-        }
-        ranging.with_limits(
-            given(self.min_range_m, geometry.min_range_m.map(no_minimum), preset.min_range_m),
-            given(self.max_range_m, geometry.max_range_m.map(maximum), preset.max_range_m),
-        )
+        let (range_noise_m, noise) = self.errors(geometry);
+        let ranging = ranging_of(geometry, approach, range_noise_m, &noise);
+        let given = |option: Option<f64>, usual: f32| option.map_or(usual, |m| m as f32);
+        ranging.with_limits(given(self.min_range_m, ranging.min_range_m), given(self.max_range_m, ranging.max_range_m))
     }
 
     fn edge_config(&self, ranging: Ranging) -> EdgeConfig<'_> {
