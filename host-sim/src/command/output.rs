@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use scanseg_formats::write_all_or_none;
@@ -22,29 +21,6 @@ pub fn write(folder: &Path, files: &Files) -> Result<(), Failure> {
     let paths: Vec<_> = files.iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
     let files: Vec<_> = paths.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
     Ok(write_all_or_none(&files)?)
-}
-
-/// Opens a file with the program of the system for it, or with that of the environment variable
-/// BROWSER; says where the file is if there is none.
-pub fn show(file: &Path) -> Result<(), Failure> {
-    let file = std::path::absolute(file)?;
-    let usual: &[&str] = match std::env::consts::OS {
-        "macos" => &["open"],
-        // `start` is of the shell; its first argument is a title
-        "windows" => &["cmd", "/c", "start", ""],
-        _ => &["xdg-open"],
-    };
-    let named = std::env::var_os("BROWSER");
-    let mut command = match &named {
-        Some(browser) => Command::new(browser),
-        None => Command::new(usual[0]),
-    };
-    if named.is_none() {
-        command.args(&usual[1..]);
-    }
-    command.arg(&file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let opened = command.status().is_ok_and(|status| status.success());
-    if opened { Ok(()) } else { print(&format!("look at {}\n", file.display())) }
 }
 
 /// Returns a progress bar on stderr. Nothing is drawn where that is no terminal.

@@ -14,8 +14,9 @@ use crate::command::exports::ExportOptions;
 use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
+use crate::command::opened::open;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
-use crate::command::output::{Failure, Files, bar, print, show, warn, write};
+use crate::command::output::{Failure, Files, bar, print, warn, write};
 use crate::command::shown::Shown;
 use crate::command::{planes, warnings};
 
@@ -65,7 +66,7 @@ impl ListOptions {
 
     /// Opens the page in a folder of results, if that was asked for.
     pub fn open(&self, folder: &Path) -> Result<(), Failure> {
-        if self.open { show(&folder.join(VIEW)) } else { Ok(()) }
+        if self.open { open(&folder.join(VIEW)) } else { Ok(()) }
     }
 }
 

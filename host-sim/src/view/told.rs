@@ -10,8 +10,6 @@ pub struct ToldSegment {
     pub label: u32,
     /// Number of pixels.
     pub pixels: u32,
-    /// Mean of its points, metres.
-    pub centroid_m: [f32; 3],
     /// First row with a pixel of it.
     pub first_row: u16,
     /// Last row with a pixel of it.
@@ -49,7 +47,6 @@ impl ToldSegment {
         ToldSegment {
             label: segment.label.0,
             pixels: segment.pixels(),
-            centroid_m: segment.centroid_m(),
             first_row: segment.first_row,
             last_row: segment.last_row,
             first_column: segment.first_column,

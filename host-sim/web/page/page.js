@@ -1,5 +1,5 @@
 // The page that runs the core: it pushes rows to it, and draws what it tells.
-const { Cloud, colourLabels, colourOf, described } = globalThis.scanseg;
+const { Cloud, colourLabels, colourOf, described, paler } = globalThis.scanseg;
 
 /** Bytes of the core; packed, unless the server has unpacked them. */
 async function bytesOf(url) {
@@ -32,7 +32,7 @@ function input(which, bytes) {
   new Uint8Array(core.memory.buffer, start, bytes.length).set(bytes);
 }
 
-let office = 0, isOffice = true, scan = null, state = null, playing = true, chosen = 0, ranges = null, labels = null, cloudColours = null, dropped = [];
+let office = 0, isOffice = true, scan = null, state = null, playing = true, chosen = 0, ranges = null, labels = null, cloudColours = null, dropped = [], tints = new Map();
 const image = $("image"), cloud = new Cloud($("cloud"), pixel => choose(pixel < 0 ? 0 : labels[pixel]));
 
 /** The colour of a range: matplotlib's plasma, near yellow, far blue. */
@@ -78,6 +78,7 @@ function begin(slowly) {
   attempt(() => {
     state = ask("begin", Number($("approach").value), noise || -1);
     chosen = 0;
+    tints = new Map();
     playing = slowly;
     if (slowly) draw();
     else step(scan.rows);
@@ -104,13 +105,32 @@ function step(rows) {
   });
 }
 
+/** Gives each area of 30 pixels or more a colour, which it keeps: one that few others have. */
+function tint() {
+  const pixels = new Map();
+  for (const label of labels) if (label) pixels.set(label, (pixels.get(label) ?? 0) + 1);
+  for (const label of tints.keys()) if (!pixels.has(label)) tints.delete(label); // it joined another one
+  const used = new Uint32Array(scan.palette.length);
+  used[0] = Infinity;
+  for (const at of tints.values()) used[at]++;
+  for (const [label, count] of pixels) {
+    if (count < 30 || tints.has(label)) continue;
+    let least = 1;
+    for (let at = 2; at < used.length; at++) if (used[at] < used[least]) least = at;
+    tints.set(label, least);
+    used[least]++;
+  }
+}
+const colour = label => colourOf(scan.palette, tints.get(label) ?? label);
+
 function draw() {
   const pixels = scan.rows * scan.columns;
   labels = array(2, Uint32Array, pixels);
   const complete = new Set(state.segments.map(segment => segment.label));
   // by edges, rows wait for others
   const seen = state.complete ? pixels : Math.max(0, state.row - (Number($("approach").value) === 1 ? 3 : 0)) * scan.columns;
-  colourLabels(scan.palette, labels, cloudColours, label => !complete.has(label) || (chosen && label !== chosen));
+  tint();
+  colourLabels(labels, label => label && (!complete.has(label) || (chosen && label !== chosen)) ? paler(colour(label)) : colour(label), cloudColours);
   cloudColours.set(scan.ranges.subarray(3 * seen), 3 * seen);
   const context = image.getContext("2d"), picture = context.createImageData(image.width, image.height);
   for (let i = 0; i < pixels; i++) {
@@ -123,6 +143,19 @@ function draw() {
   context.putImageData(picture, 0, 0);
   cloud.draw(cloudColours);
   tell();
+}
+
+/** Returns row and column of a pixel of a segment: the middle of its longest run, not near its first or last row. */
+function middle({ label, first_row, last_row, first_column, last_column }) {
+  const quarter = Math.floor((last_row - first_row) / 4);
+  let best = [first_row, first_column], longest = 0;
+  for (let row = first_row + quarter; row <= last_row - quarter; row++) {
+    for (let column = first_column, run = 0; column <= last_column; column++) {
+      run = labels[row * scan.columns + column] === label ? run + 1 : 0;
+      if (run > longest) [best, longest] = [[row, column - Math.floor(run / 2)], run];
+    }
+  }
+  return best;
 }
 
 /** Writes down what is known. What does not change is not touched. */
@@ -139,11 +172,11 @@ function tell() {
   state.segments.forEach((segment, i) => {
     const row = document.createElement("tr"), plane = segment.plane;
     row.className = segment.label === chosen ? "chosen" : "";
-    row.innerHTML = `<td><i style="background: rgb(${colourOf(scan.palette, segment.label)})"></i><button type="button">${i + 1}</button></td>` +
+    row.innerHTML = `<td><i style="background: rgb(${colour(segment.label)})"></i><button type="button">${i + 1}</button></td>` +
       `<td class="n">${segment.pixels}</td><td class="n">${plane ? plane.distance_m.toFixed(3) : ""}</td><td class="n">${plane ? (1000 * plane.rms_m).toFixed(1) : ""}</td>`;
     row.addEventListener("click", () => choose(segment.label));
     rows.push(row);
-    const [x, y] = shownAt((segment.first_row + segment.last_row) / 2, (segment.first_column + segment.last_column) / 2);
+    const [x, y] = shownAt(...middle(segment));
     if (segment.pixels * 400 < image.width * image.height && segment.label !== chosen) return;
     const number = document.createElement("span");
     number.textContent = i + 1;

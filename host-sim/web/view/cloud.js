@@ -18,7 +18,7 @@ export class Cloud {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
-    this.material = new PointsMaterial({ size: 2.5, sizeAttenuation: false, vertexColors: true });
+    this.material = new PointsMaterial({ size: 3, sizeAttenuation: false, vertexColors: true });
     this.points = new Points(new BufferGeometry(), this.material);
     this.points.frustumCulled = false;
     this.scene.add(this.points);

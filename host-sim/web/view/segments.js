@@ -5,20 +5,20 @@ export function colourOf(palette, label) {
   return palette[label ? 1 + (label - 1) % (palette.length - 1) : 0];
 }
 
-/** Writes three bytes of colour for each label. `paler(label)` says which are shown paler. */
-export function colourLabels(palette, labels, bytes, paler = () => false) {
+/** The same colour, paler. */
+export function paler(colour) {
+  return colour.map(x => Math.round(0.45 * x + 0.55 * 150));
+}
+
+/** Writes three bytes of colour for each label: `colour(label)`. */
+export function colourLabels(labels, colour, bytes) {
   const known = new Map();
   for (let i = 0; i < labels.length; i++) {
-    const label = labels[i];
-    let colour = known.get(label);
-    if (!colour) {
-      colour = colourOf(palette, label);
-      if (label && paler(label)) colour = colour.map(x => Math.round(0.45 * x + 0.55 * 150));
-      known.set(label, colour);
-    }
-    bytes[3 * i] = colour[0];
-    bytes[3 * i + 1] = colour[1];
-    bytes[3 * i + 2] = colour[2];
+    let triple = known.get(labels[i]);
+    if (!triple) known.set(labels[i], triple = colour(labels[i]));
+    bytes[3 * i] = triple[0];
+    bytes[3 * i + 1] = triple[1];
+    bytes[3 * i + 2] = triple[2];
   }
 }
 
@@ -27,9 +27,9 @@ const small = x => x === 0 ? "0" : x.toExponential(2).replace(/-/g, "\u2212");
 
 /** Returns the table of a segment as HTML, made of numbers alone. */
 export function described(number, segment) {
-  const { pixels, plane, centroid_m } = segment;
+  const { pixels, plane } = segment;
   const row = (name, value) => `<tr><th scope="row">${name}</th><td>${value}</td></tr>`;
-  let rows = row("pixels", pixels) + row("middle", centroid_m.map(x => fixed(x, 3)).join(", ") + " m");
+  let rows = row("pixels", pixels);
   if (!plane) return `<h3>Segment ${number}</h3><table>${rows}</table><p>It has no plane.</p>`;
   const sigma = i => Math.sqrt(Math.max(0, plane.covariance[i][i]));
   const degrees = 180 / Math.PI;
