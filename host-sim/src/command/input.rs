@@ -63,7 +63,7 @@ impl ScanArguments {
     pub fn open(&self) -> Result<ScanFile, Failure> {
         let camera = CameraOptions { fx_px: self.fx, fy_px: self.fy, cx_px: self.cx, cy_px: self.cy };
         let (geometry, topic) = (self.geometry.clone(), self.topic.clone());
-        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic };
+        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic, ..ReadOptions::default() };
         ScanFile::open(&self.scan, &options).map_err(failure)
     }
 

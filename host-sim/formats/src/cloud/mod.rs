@@ -34,8 +34,8 @@ impl Cloud {
     /// the options, if there is one.
     pub fn into_scan(mut self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
         let Cloud { rows, columns, .. } = self;
-        let mut geometry = match &options.geometry {
-            Some(path) => Geometry::read(path)?,
+        let mut geometry = match options.geometry()? {
+            Some(geometry) => geometry,
             None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
         };
         (geometry.unit_m, geometry.no_return) = (options.unit_m.unwrap_or(1.0), vec![]);
