@@ -7,7 +7,7 @@ use scanseg_hal::rig::RigError;
 #[test]
 fn texts() {
     let gear = Calibration::new(0, Direction::Same, -2.0).expect_err("no gear");
-    let errors: [(&dyn core::error::Error, &str); 28] = [
+    let errors: [(&dyn core::error::Error, &str); 29] = [
         (&Trouble::NotFound, "no scanner answers at any baud rate"),
         (&Trouble::NoAnswer { command: 0x3B }, "command 0x3b is not answered"),
         (&Trouble::NotAcknowledged { command: 0x20 }, "command 0x20 arrives damaged"),

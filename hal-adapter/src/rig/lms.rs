@@ -1,10 +1,11 @@
 //! The rig of an LMS 2xx: its telegrams become rows.
 
-use scanseg_core::Segmenter;
+use scanseg_core::{RowBeams, Segmenter};
 
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
 use super::pipeline::Rig;
+use super::place::Line;
 use super::sink::RigSink;
 use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, feed};
 use crate::pairing::{BeamAges, Pairing};
@@ -61,9 +62,10 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         let Some(turn) = turn else { return self.drop_row(Dropped::NoTurn, sink) };
         match self.place(turn.turn_rad(), turn.rate_rad_per_s(), start_us) {
             Err(dropped) => self.drop_row(dropped, sink),
-            Ok(row) => {
+            Ok(place) => {
                 line.row_m(self.scanner.mode, self.scanner.variant, self.row_m);
-                self.row(row, sink);
+                let RowBeams { turn_rad, column_turns, .. } = turn.beams();
+                self.row(Line { place, column_turns, first_rad: turn_rad - place.turn_rad }, sink);
             }
         }
     }

@@ -7,6 +7,7 @@ use scanseg_core::{Beams, Segmenter, TurnAxis};
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
 use super::pipeline::Rig;
+use super::place::Line;
 use super::sink::RigSink;
 use crate::pairing::Pairing;
 use crate::scanner::{LineEvent, LineScanner, Row};
@@ -155,7 +156,7 @@ impl<'a, S: Segmenter> Rig<'a, S, Mount> {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
                 self.scanner.fill(row, [turn_rad, age_us, rate_rad_per_us], self.row_m);
-                self.row(place, sink);
+                self.row(Line::still(place), sink);
             }
         }
     }

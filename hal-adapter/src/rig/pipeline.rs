@@ -6,7 +6,7 @@ use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Status};
 
 use super::counters::{Counters, Dropped, count};
 use super::limits::{RigError, TiltLimits};
-use super::place::Place;
+use super::place::{Line, Place};
 use super::sink::{Counting, End, RigSink, ScanFinished, ScanStarted};
 use crate::latch::Latch;
 use crate::lms2xx::{Settings, Trouble};
@@ -43,7 +43,7 @@ pub struct Rig<'a, S, K = Settings> {
     held_m: &'a mut [f32],
     /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
     /// with it.
-    held: Option<Place>,
+    held: Option<Line>,
     scan: Option<Progress>,
     /// The last sample with a plausible rate, and the time of the last sample that did not continue
     /// the one before.
@@ -121,7 +121,7 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
     pub fn idle(&mut self, now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
         let over = |place: &Place| now_us.saturating_sub(place.start_us) > u64::from(self.limits.pause_us);
         let scan_over = self.scan.is_none_or(|scan| over(&scan.last));
-        if scan_over && self.held.is_none_or(|held| over(&held)) {
+        if scan_over && self.held.is_none_or(|held| over(&held.place)) {
             self.end(End::Pause, sink);
         }
     }
@@ -171,36 +171,37 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
 
     /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
     /// one to be held.
-    pub(super) fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
-        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
+    pub(super) fn row(&mut self, row: Line, sink: &mut (impl RigSink + ?Sized)) {
+        let goes_on = |before: &Place| self.goes_on(before, &row.place);
+        if let Some(moved_rad) = self.scan.and_then(|scan| goes_on(&scan.last)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
             if covered_rad + moved_rad > self.limits.sweep_rad {
                 self.end(End::Covered, sink);
-                self.begin(place, sink);
-                self.push(place, 0.0, sink);
+                self.begin(&row.place, sink);
+                self.push(row, 0.0, sink);
             } else {
-                self.push(place, moved_rad, sink);
+                self.push(row, moved_rad, sink);
             }
-        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, goes_on(&held.place)?))) {
             self.held = None;
             self.end(End::Turned, sink);
-            self.begin(held, sink);
+            self.begin(&held.place, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
             self.push(held, 0.0, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.push(place, moved_rad, sink);
+            self.push(row, moved_rad, sink);
         } else {
             self.drop_held(sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.held = Some(place);
+            self.held = Some(row);
         }
     }
 
     /// Begins a scan.
-    fn begin(&mut self, first: Place, sink: &mut (impl RigSink + ?Sized)) {
+    fn begin(&mut self, first: &Place, sink: &mut (impl RigSink + ?Sized)) {
         count(&mut self.counters.scans);
-        self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
+        self.scan = Some(Progress { last: *first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
             number: self.counters.scans,
             columns: self.columns,
@@ -209,9 +210,9 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
     }
 
     /// Gives the last row to the segmenter.
-    fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
+    fn push(&mut self, row: Line, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
         let Some(scan) = &mut self.scan else { return };
-        scan.last = place;
+        scan.last = row.place;
         scan.covered_rad += moved_rad;
         if scan.stopped {
             return self.drop_row(Dropped::Stopped, sink);
@@ -219,7 +220,7 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
         let (ranges_m, rest) = self.row_m.split_at_checked(self.columns.into()).unwrap_or_default();
         let (directions, _) = rest.as_chunks();
-        let beams = if directions.is_empty() { place.turn_rad.into() } else { RowBeams::free(directions) };
+        let beams = if directions.is_empty() { row.beams() } else { RowBeams::free(directions) };
         match self.segmenter.push_row(ranges_m, beams, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);
@@ -228,8 +229,8 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
             }
             Err(PushError::TooManyRows { .. }) if scan.rows > 0 => {
                 self.end(End::Covered, sink);
-                self.begin(place, sink);
-                self.push(place, 0.0, sink);
+                self.begin(&row.place, sink);
+                self.push(row, 0.0, sink);
             }
             Err(_) => self.drop_row(Dropped::Refused, sink),
         }
