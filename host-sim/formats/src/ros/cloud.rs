@@ -16,7 +16,8 @@ pub fn scan(name: String, data: &[u8], options: &ReadOptions) -> Result<Scan, Ca
     points(&decode(FORMAT, data)?)?.into_scan(name, options)
 }
 
-fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
+/// Returns the points of a message.
+pub fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
     let [rows, columns, point_step, row_step] =
         [message.height, message.width, message.point_step, message.row_step].map(|n| n as usize);
     let pixels = ScanError::check_pixels(rows, columns)?;
