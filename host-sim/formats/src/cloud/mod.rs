@@ -11,6 +11,7 @@ mod pinhole;
 pub(crate) mod ply;
 mod ply_header;
 mod recognise;
+pub(crate) mod rings;
 
 use crate::cloud::axes::Axes;
 use crate::cloud::fit::length;
