@@ -36,6 +36,9 @@ const VIEW: &str = "view.html";
 pub struct Arguments {
     #[command(flatten)]
     scan: ScanArguments,
+    /// Of a file with several scans all of them, each into a folder of its own: DIR/frame-0, DIR/frame-1, ...
+    #[arg(long, conflicts_with_all = ["frame", "open"])]
+    all_frames: bool,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -71,12 +74,29 @@ impl ListOptions {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = arguments.scan.read()?;
+    if !arguments.all_frames {
+        return segment_into(&arguments.out, &arguments.scan.read()?, arguments);
+    }
+    let inputs = arguments.scan.all()?;
+    let bar = bar(inputs.len());
+    for input in inputs {
+        let (n, input) = input?;
+        bar.suspend(|| segment_into(&arguments.out.join(format!("frame-{n}")), &input, arguments))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn segment_into(out: &Path, input: &Input, arguments: &Arguments) -> Result<(), Failure> {
     let config = arguments.options.config(&input.geometry)?;
-    let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
-    write(&arguments.out, &files)?;
+    let (files, summary) = segment(input, config, &arguments.options, &arguments.lists)?;
+    write(out, &files)?;
+    if arguments.all_frames {
+        return print(&format!("{}\n{summary}", out.display()));
+    }
     print(&summary)?;
-    arguments.lists.open(&arguments.out)
+    arguments.lists.open(out)
 }
 
 /// Segments a range image. Returns the files to write, and what to print. Warns of what looks
