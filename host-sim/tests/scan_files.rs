@@ -55,6 +55,22 @@ fn a_cloud_has_the_labels_of_its_range_image() {
 }
 
 #[test]
+fn all_frames_have_folders_of_their_own() {
+    let Some(data) = recorded("ouster-os1") else { return };
+    let folder = folder("all-frames");
+    let capture = data.join("OS-1-128_v2.3.0_1024x10_lb_n3.pcap");
+    // the noise that is stated of it warns
+    let output = scanseg(&folder, &format!("segment {} --all-frames --out out", capture.display()));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success());
+    let list = |frame: &str| fs::read_to_string(folder.join("out").join(frame).join("segments.csv")).unwrap();
+    let lists = ["frame-0", "frame-1", "frame-2"].map(list);
+    assert!(lists[0] != lists[1] && lists[1] != lists[2] && fs::read_dir(folder.join("out")).unwrap().count() == 3);
+    assert!(said.contains("out/frame-2\n"), "{said}");
+    fails(&folder, &format!("segment {} --all-frames --frame 1 --out out", capture.display()), &["--all-frames"]);
+}
+
+#[test]
 fn a_table_is_one_segment() {
     let Some(data) = recorded("../cases/15-organised-cloud") else { return };
     let folder = folder("table");

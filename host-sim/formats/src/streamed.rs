@@ -73,8 +73,7 @@ pub(crate) fn scan_of(
     options: &ReadOptions,
     remarks: Vec<String>,
 ) -> Result<Scan, Cause> {
-    if let Some(path) = &options.geometry {
-        let given = Geometry::read(path)?;
+    if let Some(given) = options.geometry()? {
         geometry = Geometry { kind: geometry.kind, beside: geometry.beside, unit_m: geometry.unit_m, ..given };
         geometry.no_return = vec![];
     }

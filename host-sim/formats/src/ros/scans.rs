@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::file::Cause;
-use crate::ros::laser::Sweeps;
+use crate::ros::laser::{Sweep, Sweeps};
 use crate::ros::mcap::McapRecording;
 use crate::ros::per_message::{PerMessage, Read};
 use crate::ros::recording::{Open, Recording};
@@ -59,7 +59,8 @@ fn frames(path: &Path, options: &ReadOptions, open: Open) -> Result<Streamed, Ca
             Box::new(move || {
                 let (recording, topic, turned) = (open()?, Arc::clone(&topic), Arc::clone(&turned));
                 let (name, options) = (name.clone(), options.clone());
-                Ok(Box::new(Sweeps { name, options, recording, topic, turned, rows: vec![], sweep: vec![] }))
+                let (begun, sweep) = (Sweep::default(), Sweep::default());
+                Ok(Box::new(Sweeps { name, options, recording, topic, turned, begun, sweep }))
             })
         }
         Content::Velodyne => Box::new(move || {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::file::Cause;
 use crate::ros::cdr::decode;
+use crate::ros::cloud as clouds;
 use crate::ros::depth;
 use crate::ros::messages::{CameraInfo, Image, JointState, LaserScan, PointCloud2, TfMessage};
 use crate::ros::recording::{Open, Topic};
@@ -106,7 +107,7 @@ fn content(kind: &str, data: &[u8]) -> Result<Content, String> {
     match kind {
         "sensor_msgs/msg/PointCloud2" => {
             let cloud: PointCloud2<'_> = decode("PointCloud2", data).map_err(|e| e.to_string())?;
-            if cloud.height > 1 { Ok(Content::Clouds) } else { Err("points without rows".into()) }
+            if clouds::has_rows(&cloud) { Ok(Content::Clouds) } else { Err("points without rows".into()) }
         }
         "sensor_msgs/msg/Image" => {
             let image: Image<'_> = decode("Image", data).map_err(|e| e.to_string())?;
