@@ -68,7 +68,7 @@ impl ScanFile {
         topic: Option<String>,
     ) -> PyResult<ScanFile> {
         let camera = CameraOptions { fx_px: fx, fy_px: fy, cx_px: cx, cy_px: cy };
-        let options = ReadOptions { geometry, unit_m, camera, topic };
+        let options = ReadOptions { geometry, unit_m, camera, topic, ..ReadOptions::default() };
         let file = py.detach(|| File::open(&path, &options)).map_err(file_error)?;
         Ok(ScanFile { frames: file.frames(), file: Mutex::new(file) })
     }

@@ -29,7 +29,7 @@ mod _scanseg {
     #[pymodule_export]
     use crate::scenes::{evaluate, office};
     #[pymodule_export]
-    use crate::whole::{segment, segment_cloud};
+    use crate::whole::{SegmentedScan, segment, segment_cloud};
 }
 
 /// What is wrong with a value, as Python has it.

@@ -1,10 +1,14 @@
 //! Whole scans.
 
+use std::path::{Path, PathBuf};
+
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use scanseg_core::AnyConfig;
-use scanseg_formats::{Geometry, RangeImage, ReadOptions, Scan};
+use scanseg_core::{AnyConfig, Ranging, Segment};
+use scanseg_formats::{Geometry, RangeImage, ReadOptions, Scan, write_atomic};
+use scanseg_sim::export::outlines::Outlines;
+use scanseg_sim::export::points;
 use scanseg_sim::export::{Outline, Planarity, Segmented, outlines_of, planarities_of};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, states_noise, within_limits};
 
@@ -12,7 +16,7 @@ use crate::arrays::{Numbers, vectors};
 use crate::beams::Beams;
 use crate::segments;
 use crate::settings::{Noise, Settings, unit_m as metres};
-use crate::value_error;
+use crate::{file_error, value_error};
 
 #[pyfunction]
 #[pyo3(signature = (ranges, beams, noise, approach, unit_m, min_range_m, max_range_m, min_pixels))]
@@ -73,11 +77,68 @@ pub fn segment_cloud<'py>(
 /// All that is found in a scan.
 struct Found {
     returns: RangeImage,
+    ranging: Ranging,
     segmentation: Segmentation,
     labels: Vec<u32>,
     listed: usize,
     planarities: Vec<Planarity>,
     outlines: Vec<Option<Outline>>,
+}
+
+/// A segmented scan, for files of it.
+#[pyclass(frozen, module = "scanseg._scanseg")]
+pub struct SegmentedScan {
+    image: RangeImage,
+    geometry: Geometry,
+    ranging: Ranging,
+    range_noise_m: Vec<f32>,
+    labels: Vec<u32>,
+    segments: Vec<Segment>,
+}
+
+impl SegmentedScan {
+    fn segmented(&self) -> Segmented<'_> {
+        Segmented {
+            image: &self.image,
+            geometry: &self.geometry,
+            ranging: &self.ranging,
+            range_noise_m: &self.range_noise_m,
+            labels: &self.labels,
+            segments: &self.segments,
+        }
+    }
+}
+
+#[pymethods]
+impl SegmentedScan {
+    fn write_points(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes: fn(&Segmented<'_>) -> Vec<u8> = match ending(&path) {
+            "ply" => points::ply,
+            "pcd" => points::pcd,
+            _ => return Err(value_error(format!("{}: the name must end in .ply or .pcd", path.display()))),
+        };
+        py.detach(|| write_atomic(&path, &bytes(&self.segmented()))).map_err(file_error)
+    }
+
+    fn write_outlines(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let outlines = py.detach(|| Outlines::of(&self.segmented()));
+        let bytes = match ending(&path) {
+            "ply" => outlines.ply(),
+            "csv" => outlines.csv(),
+            "json" => outlines.json().map_err(value_error)?,
+            "geojson" => outlines.geojson().map_err(value_error)?,
+            _ => {
+                let what = "the name must end in .ply, .csv, .json or .geojson";
+                return Err(value_error(format!("{}: {what}", path.display())));
+            }
+        };
+        py.detach(|| write_atomic(&path, &bytes)).map_err(file_error)
+    }
+}
+
+/// Returns what a name ends in.
+fn ending(path: &Path) -> &str {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
 }
 
 impl Found {
@@ -101,12 +162,12 @@ impl Found {
         };
         let (planarities, outlines) = (planarities_of(&segmented), outlines_of(&segmented));
         let listed = segments.len();
-        Ok(Found { returns, segmentation, labels, listed, planarities, outlines })
+        Ok(Found { returns, ranging, segmentation, labels, listed, planarities, outlines })
     }
 
     /// Returns what `Result` in `python/scanseg` has.
     fn into_dict(self, py: Python<'_>, geometry: Geometry) -> PyResult<Bound<'_, PyDict>> {
-        let Found { returns, segmentation, labels, listed, planarities, outlines } = self;
+        let Found { returns, ranging, segmentation, labels, listed, planarities, outlines } = self;
         let shape = [returns.rows, returns.columns];
         let columns = segments::columns(py, &segmentation.segments[..listed])?;
         columns.set_item("label", (1..=listed as u32).collect::<Vec<_>>().into_pyarray(py))?;
@@ -122,7 +183,16 @@ impl Found {
             let flat: Vec<f64> = corners_m.iter().flatten().copied().collect();
             polygons.append(flat.into_pyarray(py).reshape([corners_m.len(), 3])?)?;
         }
+        let scan = SegmentedScan {
+            image: returns.clone(),
+            geometry: geometry.clone(),
+            ranging,
+            range_noise_m: if states_noise(&geometry) { vec![] } else { segmentation.range_noise_m },
+            labels: labels.clone(),
+            segments: segmentation.segments[..listed].to_vec(),
+        };
         let dict = PyDict::new(py);
+        dict.set_item("files", Bound::new(py, scan)?)?;
         dict.set_item("columns", columns)?;
         dict.set_item("polygons", polygons)?;
         dict.set_item("labels", labels.into_pyarray(py).reshape(shape)?)?;

@@ -1,5 +1,7 @@
 """Files, simulated offices and evaluation."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -88,3 +90,27 @@ def test_evaluation_is_that_of_the_command(command, tmp_path):
     numbers = dict(line.split() for line in said.splitlines())
     hoover = scanseg.evaluate(result.labels, office.truth)
     assert {name: float(value) for name, value in numbers.items()} == vars(hoover)
+
+
+def test_results_are_the_files_of_the_command(command, tmp_path, room):
+    beams, ranges = room
+    scanseg.write_ranges(tmp_path / "scan.png", ranges, beams)
+    inputs = [tmp_path / "scan.png", "--geometry", tmp_path / "scan.toml"]
+    command("segment", *inputs, "--out", tmp_path / "out", "--write", "ply,pcd,json,csv,geojson")
+    scan = scanseg.read(inputs[0], geometry=inputs[2])
+    result = scanseg.segment(scan.ranges, scan.beams)
+    for name in ["points.ply", "points.pcd"]:
+        result.write_points(tmp_path / name)
+    for name in ["outlines.ply", "outlines.csv", "outlines.json", "outlines.geojson"]:
+        result.write_outlines(tmp_path / name)
+    for path in tmp_path.glob("*s.*"):
+        assert path.read_bytes() == (tmp_path / "out" / path.name).read_bytes(), path.name
+    assert len(list(tmp_path.glob("*s.*"))) == 6
+    with pytest.raises(ValueError, match="xyz"):
+        result.write_points(tmp_path / "points.xyz")
+    with pytest.raises(ValueError, match="txt"):
+        result.write_outlines(tmp_path / "outlines.txt")
+    with pytest.raises(ValueError, match="pickled"):
+        pickle.loads(pickle.dumps(result)).write_points(tmp_path / "p.ply")
+    with pytest.raises(OSError):
+        result.write_points(tmp_path / "none" / "p.ply")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from scanseg._scanseg import Beams
 
 if TYPE_CHECKING:
-    from scanseg._scanseg import Found, FoundRows
+    from scanseg._scanseg import Found, FoundRows, SegmentedScan
 
 SEGMENT = np.dtype(
     [
@@ -96,6 +97,37 @@ class Result:
     noise_range_m: float | None
     unlabelled: int
     beams: Beams
+    _files: SegmentedScan | None = field(repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # what files are written from stays behind
+        fields = {name: value for name, value in vars(self).items() if name != "_files"}
+        return _unpickled, (fields,)
+
+    def write_points(self, path: str | PathLike[str]) -> None:
+        """Write the points with colours and labels: NAME.ply or NAME.pcd, organised.
+
+        Raises
+        ------
+        ValueError
+            Another ending, or a result that was pickled.
+        """
+        self._written_from().write_points(path)
+
+    def write_outlines(self, path: str | PathLike[str]) -> None:
+        """Write the polygons with their planes: NAME.ply, .csv, .json or .geojson (docs/formats.md).
+
+        Raises
+        ------
+        ValueError
+            Another ending, or a result that was pickled.
+        """
+        self._written_from().write_outlines(path)
+
+    def _written_from(self) -> SegmentedScan:
+        if self._files is None:
+            raise ValueError("a result that was pickled writes no files")
+        return self._files
 
     def points(self) -> NDArray[np.float64]:
         """Return the points of the pixels.
@@ -142,7 +174,11 @@ def _structured(columns: dict[str, Any], dtype: np.dtype[np.void]) -> NDArray[np
 
 def _result(found: Found) -> Result:
     segments = _structured(found.pop("columns"), _WHOLE_SEGMENT)  # type: ignore[misc]
-    return Result(segments=segments, **found)  # type: ignore[misc]
+    return Result(segments=segments, _files=found.pop("files"), **found)  # type: ignore[misc]
+
+
+def _unpickled(fields: dict[str, Any]) -> Result:
+    return Result(**fields, _files=None)
 
 
 def _rows(found: FoundRows) -> Rows:

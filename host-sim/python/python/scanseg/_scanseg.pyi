@@ -10,6 +10,7 @@ __all__ = [
     "Beams",
     "RowSegmenter",
     "ScanFile",
+    "SegmentedScan",
     "evaluate",
     "office",
     "read_labels",
@@ -30,6 +31,7 @@ class Found(TypedDict):
     noise_range_m: float | None
     unlabelled: int
     beams: Beams
+    files: SegmentedScan
 
 @type_check_only
 class FoundRows(TypedDict):
@@ -107,6 +109,11 @@ class RowSegmenter:
     def finish(self) -> FoundRows: ...
     @property
     def columns(self) -> int: ...
+
+@final
+class SegmentedScan:
+    def write_points(self, path: str | PathLike[str]) -> None: ...
+    def write_outlines(self, path: str | PathLike[str]) -> None: ...
 
 def segment(
     ranges: ArrayLike,
