@@ -14,6 +14,8 @@ mod recognise;
 pub(crate) mod rings;
 
 use crate::cloud::axes::Axes;
+use std::error::Error;
+
 use crate::cloud::fit::length;
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
@@ -29,6 +31,28 @@ pub(crate) struct Cloud {
     /// `rows * columns` points, in the unit of the file. Where nothing was measured a coordinate is
     /// not finite, or all are 0.
     pub points: Vec<[f32; 3]>,
+}
+
+impl Scan {
+    /// Returns the scan of an organised cloud: `rows * columns` points, row by row, in metres unless
+    /// the options say otherwise. Where nothing was measured a coordinate is not finite, or all are 0.
+    ///
+    /// # Errors
+    /// No pixel has a point, or a geometry file of the options that cannot be read.
+    pub fn of_points(
+        name: String,
+        rows: usize,
+        columns: usize,
+        points: Vec<[f32; 3]>,
+        options: &ReadOptions,
+    ) -> Result<Scan, Box<dyn Error + Send + Sync>> {
+        let pixels = ScanError::check_pixels(rows, columns)?;
+        if points.len() != pixels {
+            let what = format!("{rows} x {columns} points (it has {})", points.len());
+            return Err(ScanError::lacks("a cloud", what).into());
+        }
+        Cloud { rows, columns, points }.into_scan(name, options)
+    }
 }
 
 impl Cloud {
