@@ -1,9 +1,11 @@
 //! A scan, and what a reader of files with scans is.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::cloud::Cloud;
 use crate::file::{Cause, FileError, read_at_most};
 use crate::geometry::Geometry;
 use crate::geometry_toml;
@@ -24,6 +26,28 @@ pub struct Scan {
     pub measured: usize,
     /// What its reader took it for, where the file does not say it: sentences for the user.
     pub remarks: Vec<String>,
+}
+
+impl Scan {
+    /// Returns the scan of an organised cloud: `rows * columns` points, row by row, in metres unless
+    /// the options say otherwise. Where nothing was measured a coordinate is not finite, or all are 0.
+    ///
+    /// # Errors
+    /// No pixel has a point, or a geometry file of the options that cannot be read.
+    pub fn of_points(
+        name: String,
+        rows: usize,
+        columns: usize,
+        points: Vec<[f32; 3]>,
+        options: &ReadOptions,
+    ) -> Result<Scan, Box<dyn Error + Send + Sync>> {
+        let pixels = ScanError::check_pixels(rows, columns)?;
+        if points.len() != pixels {
+            let what = format!("{rows} x {columns} points (it has {})", points.len());
+            return Err(ScanError::lacks("a cloud", what).into());
+        }
+        Cloud { rows, columns, points }.into_scan(name, options)
+    }
 }
 
 /// What the user says of a file.
@@ -78,7 +102,7 @@ pub struct CameraOptions {
 }
 
 /// The scans of a file. Each format makes its own.
-pub(crate) trait Frames {
+pub(crate) trait Frames: Send {
     /// Returns how many there are, one or more.
     fn count(&self) -> usize;
 

@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 use scanseg_core::{AnyConfig, Approach, ConfigError, EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};
-use scanseg_formats::{Geometry, Noise, SENSORS, Sensor};
-use scanseg_sim::segmentation::{SegmentationError, ranging_of, states_noise};
+use scanseg_formats::{Geometry, SENSORS, Sensor};
+use scanseg_sim::segmentation::{self, SegmentationError};
 use serde::Serialize;
 
 use crate::command::input::with_page;
@@ -102,27 +102,25 @@ impl Options {
         })
     }
 
-    /// Returns the errors that are stated of the scanner: the constant noise of its ranges, 0 for
-    /// none, and the others.
-    fn errors(&self, geometry: &Geometry) -> (f64, Noise) {
-        let (range_noise_m, noise) = match &self.sensor {
-            Some(sensor) => (Some(sensor.range_noise_m()), sensor.noise()),
-            None => (geometry.range_noise_m, geometry.noise),
-        };
-        (self.range_noise_m.or(range_noise_m).unwrap_or(0.0), noise)
+    /// Returns the geometry with the errors that the options state in place of its own.
+    fn stated(&self, geometry: &Geometry) -> Geometry {
+        let mut stated = geometry.clone();
+        if let Some(sensor) = &self.sensor {
+            (stated.range_noise_m, stated.noise) = (Some(sensor.range_noise_m()), sensor.noise());
+        }
+        stated.range_noise_m = self.range_noise_m.or(stated.range_noise_m);
+        stated
     }
 
     /// Returns whether anything is stated of the noise of the ranges.
     pub fn states_noise(&self, geometry: &Geometry) -> bool {
-        let (range_noise_m, noise) = self.errors(geometry);
-        states_noise(range_noise_m, &noise)
+        segmentation::states_noise(&self.stated(geometry))
     }
 
     fn ranging(&self, geometry: &Geometry, approach: Approach) -> Ranging {
-        let (range_noise_m, noise) = self.errors(geometry);
-        let ranging = ranging_of(geometry, approach, range_noise_m, &noise);
-        let given = |option: Option<f64>, usual: f32| option.map_or(usual, |m| m as f32);
-        ranging.with_limits(given(self.min_range_m, ranging.min_range_m), given(self.max_range_m, ranging.max_range_m))
+        let ranging = segmentation::ranging_of(&self.stated(geometry), approach);
+        let or = |option: Option<f64>, stated: f32| option.map_or(stated, |m| m as f32);
+        ranging.with_limits(or(self.min_range_m, ranging.min_range_m), or(self.max_range_m, ranging.max_range_m))
     }
 
     fn edge_config(&self, ranging: Ranging) -> EdgeConfig<'_> {

@@ -1,7 +1,7 @@
 //! What the page works on: a scan, and its segmentation.
 
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, PlaneConfig, RegionConfig};
-use scanseg_formats::{CameraOptions, FileError, RangeImage, ReadOptions, Scan, ScanError, ScanFile};
+use scanseg_formats::{CameraOptions, FileError, Geometry, RangeImage, ReadOptions, Scan, ScanError, ScanFile};
 use scanseg_sim::export::point_m;
 use scanseg_sim::office::{Scene, Sensor, SensorError, Set};
 use scanseg_sim::overview::{View, usual_ranges_m};
@@ -183,8 +183,8 @@ fn told(scan: &Scan) -> ToldScan<'_> {
 }
 
 fn config(scan: &Scan, approach: Approach, range_noise_m: Option<f64>) -> AnyConfig<'static> {
-    let stated_m = range_noise_m.or(scan.geometry.range_noise_m).unwrap_or(0.0);
-    let ranging = ranging_of(&scan.geometry, approach, stated_m, &scan.geometry.noise);
+    let stated = Geometry { range_noise_m: range_noise_m.or(scan.geometry.range_noise_m), ..scan.geometry.clone() };
+    let ranging = ranging_of(&stated, approach);
     match approach {
         Approach::Plane => PlaneConfig::new(ranging).into(),
         Approach::Edge => EdgeConfig::paper().with_ranging(ranging).into(),

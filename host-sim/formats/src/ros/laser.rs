@@ -3,7 +3,7 @@
 //! A sweep is a scan: it ends where the turn goes back, or after a whole turn. Each beam has the pose
 //! of its own time.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::cloud::Cloud;
 use crate::file::Cause;
@@ -27,8 +27,8 @@ pub struct Sweeps {
     pub name: String,
     pub options: ReadOptions,
     pub recording: Box<dyn Recording>,
-    pub topic: Rc<Topic>,
-    pub turned: Rc<Turned>,
+    pub topic: Arc<Topic>,
+    pub turned: Arc<Turned>,
     /// Rows that are read, of which the first belongs to the next sweep.
     pub rows: Vec<Row>,
     pub sweep: Vec<Row>,
