@@ -105,20 +105,20 @@ function step(rows) {
   });
 }
 
-/** Gives each area of 30 pixels or more a colour, which it keeps: one that few others have. */
+/** Gives each area of 30 pixels or more a colour, which it keeps: the one that is seen least. */
 function tint() {
   const pixels = new Map();
   for (const label of labels) if (label) pixels.set(label, (pixels.get(label) ?? 0) + 1);
   for (const label of tints.keys()) if (!pixels.has(label)) tints.delete(label); // it joined another one
   const used = new Uint32Array(scan.palette.length);
   used[0] = Infinity;
-  for (const at of tints.values()) used[at]++;
+  for (const [label, at] of tints) used[at] += pixels.get(label);
   for (const [label, count] of pixels) {
     if (count < 30 || tints.has(label)) continue;
     let least = 1;
     for (let at = 2; at < used.length; at++) if (used[at] < used[least]) least = at;
     tints.set(label, least);
-    used[least]++;
+    used[least] += count;
   }
 }
 const colour = label => colourOf(scan.palette, tints.get(label) ?? label);
