@@ -29,6 +29,17 @@ impl ColumnTurns {
         let set = column.checked_rem(usize::from(self.sets)).unwrap_or(0);
         column as f32 * self.step_rad + set as f32 * self.set_rad
     }
+
+    /// The same of the columns from `from` on, which may lie outside, without a division for each.
+    pub(crate) fn of_chunk<const N: usize>(&self, from: isize, turned_rad: &mut [f32; N]) {
+        let sets = isize::from(self.sets).max(1);
+        let (mut set, mut along_rad) = (from.checked_rem_euclid(sets).unwrap_or(0), from as f32 * self.step_rad);
+        for turned_rad in turned_rad {
+            *turned_rad = along_rad + set as f32 * self.set_rad;
+            along_rad += self.step_rad;
+            set = if set + 1 < sets { set + 1 } else { 0 };
+        }
+    }
 }
 
 /// Where the beams of one row point, beside what [`Beams`] says of all rows. Made from the turn angle

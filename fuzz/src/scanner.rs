@@ -66,7 +66,8 @@ pub enum Damage {
 }
 
 impl Damage {
-    fn strike(self, bytes: &mut Vec<u8>) {
+    /// Damages bytes, at least one.
+    pub fn strike(self, bytes: &mut Vec<u8>) {
         let place = |at: u16| usize::from(at) % bytes.len();
         match self {
             Damage::None => {}

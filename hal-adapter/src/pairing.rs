@@ -124,9 +124,15 @@ impl Pairing {
     #[must_use]
     pub const fn new(settings: &Settings) -> Self {
         let turns = if settings.interlaced { 1 } else { settings.variant.mirror_turns() as u32 };
+        Self::of_rows(settings.period_us(), (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4))
+    }
+
+    /// Returns a pairing without samples: of rows that come so often, whose middle beam is so old at
+    /// their start byte.
+    pub(crate) const fn of_rows(period_us: u32, middle_us: u32) -> Self {
         Self {
-            period_us: settings.period_us(),
-            age_us: (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4) + 500,
+            period_us,
+            age_us: middle_us.saturating_add(500),
             samples: [Latch { turn_rad: 0.0, time_us: 0 }; KEPT],
             count: 0,
             now: None,
@@ -168,13 +174,19 @@ impl Pairing {
     /// The tilt must turn by less than half a turn between two samples: the shorter way round is
     /// taken.
     pub fn row(&mut self, ages: BeamAges) -> Option<RowTurn> {
+        let age_us = ages.mean_age_us();
+        let (turn_rad, rate_rad_per_us) = self.at_age(age_us)?;
+        Some(RowTurn { turn_rad, rate_rad_per_us, age_us, ages })
+    }
+
+    /// Returns the turn angle so long before the last `start`, radians, and the rate of the tilt,
+    /// radians a microsecond. `None` as [`Pairing::row`].
+    pub(crate) fn at_age(&mut self, age_us: f32) -> Option<(f32, f32)> {
         let (before, after, start_us) = self.now.take()?;
         let time_us = after.time_us - before.time_us;
         let rate_rad_per_us = shorter_way(after.turn_rad - before.turn_rad) / time_us as f32;
         let after_age_us = after.time_us.wrapping_sub(start_us) as i64 as f32;
-        let age_us = ages.mean_age_us();
-        let turn_rad = after.turn_rad - rate_rad_per_us * (after_age_us + age_us);
-        Some(RowTurn { turn_rad, rate_rad_per_us, age_us, ages })
+        Some((after.turn_rad - rate_rad_per_us * (after_age_us + age_us), rate_rad_per_us))
     }
 
     /// Returns two samples, the second the first one not before this time, if they are near enough

@@ -7,7 +7,7 @@ use scanseg_hal::rig::RigError;
 #[test]
 fn texts() {
     let gear = Calibration::new(0, Direction::Same, -2.0).expect_err("no gear");
-    let errors: [(&dyn core::error::Error, &str); 28] = [
+    let errors: [(&dyn core::error::Error, &str); 29] = [
         (&Trouble::NotFound, "no scanner answers at any baud rate"),
         (&Trouble::NoAnswer { command: 0x3B }, "command 0x3b is not answered"),
         (&Trouble::NotAcknowledged { command: 0x20 }, "command 0x20 arrives damaged"),
@@ -35,7 +35,8 @@ fn texts() {
         (&RigError::Rates { min: 2.0, max: 1.0 }, "the tilt cannot turn at 2 to 1 rad/s"),
         (&RigError::Sweep(-1.0), "a sweep cannot be -1 rad"),
         (&RigError::Pause { needed_us: 40_000, got_us: 7 }, "pause must be 40000 us or more, is 7"),
-        (&RigError::Memory { needed: 362, got: 361 }, "rows need memory for 362 ranges, got 361"),
+        (&RigError::Memory { needed: 362, got: 361 }, "rows need memory for 362 numbers, got 361"),
+        (&RigError::Mount { field: "step_rad", value: 0.0 }, "step_rad of a mount cannot be 0"),
     ];
     for (error, text) in errors {
         assert_eq!(error.to_string(), text);

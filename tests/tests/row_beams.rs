@@ -399,3 +399,59 @@ fn refused() {
     directions[17] = [2.0, 0.0, 0.0];
     assert_eq!(push(free, RowBeams::free(&directions)), Err(PushError::Direction { column: 17 }));
 }
+
+/// Bearing angles of rows whose columns go on turning, at rates of their own, along every kind of
+/// trace: those of the beams in double precision.
+#[test]
+fn bearing_angles_of_a_tilt_that_moves() {
+    let even = Columns::Even { start_rad: -1.5, step_rad: 0.0087 };
+    let listed: Vec<f32> = (0..COLUMNS).map(|c| -1.5 + 0.0087 * c as f32 + 0.002 * uniform(7, 0, c) as f32).collect();
+    let still = ColumnTurns::NONE;
+    let one = ColumnTurns { step_rad: 2e-5, sets: 1, set_rad: 0.0 };
+    let two = |scale: f32| ColumnTurns { step_rad: -9e-6 * scale, sets: 2, set_rad: -0.0066 * scale };
+    let fast = ColumnTurns { step_rad: 0.002, sets: 4, set_rad: 0.05 };
+    let ranges_m: Vec<f32> = (0..2 * COLUMNS).map(|i| 3.0 + 0.5 * uniform(3, 0, i) as f32).collect();
+    let (before_m, now_m) = ranges_m.split_at(COLUMNS);
+    let traces = [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL, Trace::DIAGONAL.times(3)];
+    for columns in [even, Columns::Listed(&listed)] {
+        for turns in [[one, one], [two(1.0), two(1.1)], [still, two(1.0)], [two(1.0), one], [fast, two(1.0)]] {
+            for trace in traces {
+                let of_row = if trace.rows == 0 { [turns[0], turns[0]] } else { turns };
+                let turn_rad = if trace.rows == 0 { [0.3, 0.3] } else { [0.3, 0.29] };
+                let rows = [0, 1].map(|i| RowBeams::from(turn_rad[i]).with_column_turns(of_row[i]));
+                let before_m = if trace.rows == 0 { now_m } else { before_m };
+                let row = |ranges_m, beams| Row { ranges_m, beams, row: 0 };
+                let mut counts = [0; COLUMNS];
+                let beams = Beams::Nodding { columns, axis: TurnAxis::Y };
+                let (now, before) = (row(now_m, rows[0]), row(before_m, rows[1]));
+                bearing_row(&Ranging::new(0.01), beams, trace, now, before, &mut counts).unwrap();
+                let angle_rad = |column: usize| match columns {
+                    Columns::Listed(list) => f64::from(list[column]),
+                    _ => -1.5f32 as f64 + column as f64 * f64::from(0.0087f32),
+                };
+                let beam = |i: usize, column: usize| {
+                    let turn_rad = f64::from(turn_rad[i]) + f64::from(of_row[i].of(column));
+                    nodding(angle_rad(column), turn_rad, TurnAxis::Y)
+                };
+                for (column, &count) in counts.iter().enumerate() {
+                    let Some(other) = column.checked_add_signed(-isize::from(trace.columns)).filter(|&c| c < COLUMNS)
+                    else {
+                        assert_eq!(count, 0);
+                        continue;
+                    };
+                    let apart = plus(beam(0, column), -1.0, beam(1, other));
+                    // near the axis beams coincide
+                    if dot(apart, apart).sqrt() < 2e-5 {
+                        continue;
+                    }
+                    let (r1, r0) = (f64::from(now_m[column]), f64::from(before_m[other]));
+                    let along = plus(beam(0, column).map(|x| x * r1), -r0, beam(1, other));
+                    let cos = dot(along, beam(0, column)) / dot(along, along).sqrt();
+                    let expected = cos.acos() * f64::from(scanseg_core::COUNTS_PER_RAD);
+                    let off = (f64::from(count) - expected).abs();
+                    assert!(off < 3.0, "{turns:?} {trace:?} column {column}: {count}, not {expected}");
+                }
+            }
+        }
+    }
+}

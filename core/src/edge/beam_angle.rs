@@ -19,6 +19,7 @@ use crate::beam::{Beams, Columns};
 use crate::edge::trace::Trace;
 use crate::row::bits::CHUNK;
 use crate::row::fan::{Fan, Lane, RowBeam};
+use crate::row_beams::ColumnTurns;
 
 /// Two beams closer than this have no bearing angle, radians: near the turning axis of a nodding
 /// scanner the beams of neighbouring rows coincide.
@@ -52,6 +53,17 @@ fn vers(x_rad: f32) -> f32 {
     2.0 * s * s
 }
 
+/// The same, of turns up to 16 deg by its series, to 1e-9 of it.
+#[inline(always)]
+fn vers_of_turn(x_rad: f32) -> f32 {
+    let square = x_rad * x_rad;
+    if square < 4.0 * MAX_HALF_SIN * MAX_HALF_SIN {
+        square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
+    } else {
+        vers(x_rad)
+    }
+}
+
 /// sin x for vers x within 0 to 2.
 #[inline(always)]
 fn sin_from_vers(vers: f32) -> f32 {
@@ -71,6 +83,9 @@ pub(crate) enum Pair {
     Tilted { turn_half_sin: f32 },
     /// Rows of a nodding scanner; vers of the difference of the column angles if they are even.
     Nodding { offset: isize, turn_vers: f32, column_vers: Option<f32> },
+    /// Rows of a nodding scanner whose columns go on turning, this one and the one before on the
+    /// trace; `turn_rad` is the difference of their turns.
+    Turning { offset: isize, turn_rad: f32, column_turns: [ColumnTurns; 2], column_vers: Option<f32> },
     /// Listed column angles: vers Phi = rows_vers + scale * vers of their difference.
     Listed { offset: isize, rows_vers: f32, scale: f32 },
     /// (u, v) of a pixel, less (du, dv), is that of the previous one.
@@ -92,10 +107,17 @@ impl Fan<'_> {
     /// What the angles between the beams of a trace's two pixels depend on besides the column.
     pub fn pair(&self, trace: Trace, [now, before]: [RowBeam; 2]) -> Pair {
         let offset = isize::from(trace.columns);
-        if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
-            return Pair::Rays { offset };
-        }
         let turn_rad = now.beams.turn_rad - before.beams.turn_rad;
+        if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
+            let still = |at: &RowBeam| self.is_plain(&at.beams.with_column_turns(ColumnTurns::NONE));
+            return match &self.beams {
+                Beams::Nodding { columns, .. } if still(&now) && still(&before) => {
+                    let column_turns = [now, before].map(|at| at.beams.column_turns);
+                    Pair::Turning { offset, turn_rad, column_turns, column_vers: even_vers(columns, offset) }
+                }
+                _ => Pair::Rays { offset },
+            };
+        }
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
             Beams::Nodding { columns, .. } => {
@@ -152,6 +174,24 @@ impl Fan<'_> {
                     None => listed_vers(columns, from, offset, count, vers_phi),
                 }
                 for i in 0..CHUNK {
+                    vers_phi[i] = (vers_phi[i] + cos[i] * cos_before[i] * turn_vers).max(0.0);
+                    sin[i] = sin_from_vers(vers_phi[i]);
+                }
+            }
+            (&Pair::Turning { offset, turn_rad, column_turns, column_vers }, Beams::Nodding { columns, .. }) => {
+                let (mut cos, mut cos_before, mut turned) = ([0.0; CHUNK], [0.0; CHUNK], [[0.0; CHUNK]; 2]);
+                let before = from as isize - offset;
+                self.cos_sin(columns, from as isize, &mut cos, sin);
+                self.cos_sin(columns, before, &mut cos_before, sin);
+                match column_vers {
+                    Some(vers) => *vers_phi = [vers; CHUNK],
+                    None => listed_vers(columns, from, offset, count, vers_phi),
+                }
+                for ((turns, from), turned) in column_turns.iter().zip([from as isize, before]).zip(&mut turned) {
+                    turns.of_chunk(from, turned);
+                }
+                for i in 0..CHUNK {
+                    let turn_vers = vers_of_turn(turn_rad + turned[0][i] - turned[1][i]);
                     vers_phi[i] = (vers_phi[i] + cos[i] * cos_before[i] * turn_vers).max(0.0);
                     sin[i] = sin_from_vers(vers_phi[i]);
                 }

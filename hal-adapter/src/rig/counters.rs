@@ -34,14 +34,15 @@ pub enum Dropped {
 #[cfg_attr(feature = "link", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
-    /// Bytes given to [`Rig::receive`](super::Rig::receive).
+    /// Bytes given to [`Rig::receive`](super::Rig#method.receive).
     pub bytes: u64,
-    /// Valid scan telegrams.
+    /// Valid scan telegrams; rows of the scanner in a rig with a [`Mount`](super::Mount).
     pub telegrams: u32,
     /// Rejected beginnings of telegrams. This is not the number of damaged telegrams: a damaged
     /// telegram can contain several beginnings, and one whose start byte is lost contains none.
     pub rejected: u32,
-    /// Lost telegrams, by the time between valid ones. After a [`Trouble`](crate::lms2xx::Trouble)
+    /// Lost telegrams, by the time between valid ones; lost packets in a rig with a mount, see
+    /// [`ScannerCounters::lost`](crate::scanner::ScannerCounters::lost). After a [`Trouble`](crate::lms2xx::Trouble)
     /// the count goes on with the first valid telegram, or with the second if the scanner's answer
     /// to the start command was lost.
     pub lost: u32,

@@ -2,7 +2,7 @@
 
 use scanseg_core::{Beams, Columns, TurnAxis};
 
-use crate::lms2xx::{Settings, Variant};
+use crate::lms2xx::Variant;
 
 /// How the tilt moves within a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,10 +46,17 @@ pub enum RigError {
     },
     /// The memory for rows is too small.
     Memory {
-        /// Ranges needed.
+        /// Numbers needed.
         needed: usize,
-        /// Ranges given.
+        /// Numbers given.
         got: usize,
+    },
+    /// A number of a [`Mount`](super::Mount) is out of its range.
+    Mount {
+        /// Which.
+        field: &'static str,
+        /// The value.
+        value: f32,
     },
 }
 
@@ -59,7 +66,8 @@ impl core::fmt::Display for RigError {
             Self::Rates { min, max } => write!(f, "the tilt cannot turn at {min} to {max} rad/s"),
             Self::Sweep(sweep_rad) => write!(f, "a sweep cannot be {sweep_rad} rad"),
             Self::Pause { needed_us, got_us } => write!(f, "pause must be {needed_us} us or more, is {got_us}"),
-            Self::Memory { needed, got } => write!(f, "rows need memory for {needed} ranges, got {got}"),
+            Self::Memory { needed, got } => write!(f, "rows need memory for {needed} numbers, got {got}"),
+            Self::Mount { field, value } => write!(f, "{field} of a mount cannot be {value}"),
         }
     }
 }
@@ -72,10 +80,9 @@ impl TiltLimits {
         (self.min_rate_rad_per_s..=self.max_rate_rad_per_s).contains(&rate_rad_per_s.abs())
     }
 
-    /// Checks the limits for a scanner with these settings.
-    pub(super) fn check(&self, settings: &Settings) -> Result<(), RigError> {
+    /// Checks the limits for a scanner whose rows come so often.
+    pub(super) fn check(&self, period_us: u32) -> Result<(), RigError> {
         let Self { min_rate_rad_per_s: min, max_rate_rad_per_s: max, sweep_rad, pause_us: got_us } = *self;
-        let period_us = settings.period_us();
         let half_turn_rad_per_s = core::f32::consts::PI * 1e6 / period_us as f32;
         if !(min > 0.0 && min <= max && max < half_turn_rad_per_s) {
             return Err(RigError::Rates { min, max });
@@ -83,8 +90,9 @@ impl TiltLimits {
         if sweep_rad.is_nan() || sweep_rad <= 0.0 {
             return Err(RigError::Sweep(sweep_rad));
         }
-        if got_us < 3 * period_us {
-            return Err(RigError::Pause { needed_us: 3 * period_us, got_us });
+        let needed_us = period_us.saturating_mul(3);
+        if got_us < needed_us {
+            return Err(RigError::Pause { needed_us, got_us });
         }
         Ok(())
     }

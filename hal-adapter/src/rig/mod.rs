@@ -6,7 +6,8 @@
 //! - [`Rig::tilt`]: a sample of the tilt. One per telegram is enough.
 //! - [`Rig::receive`]: bytes of the scanner, with the [`Session`](crate::lms2xx::Session) that
 //!   decodes them. Or [`Rig::handle`]: an event of a [`blocking`](crate::lms2xx::blocking) or
-//!   [`asynch`](crate::lms2xx::asynch) scanner.
+//!   [`asynch`](crate::lms2xx::asynch) scanner. A rig with a [`Mount`] takes them with any
+//!   [`LineScanner`](crate::scanner::LineScanner).
 //! - [`Rig::idle`]: the present time.
 //!
 //! A scan is one sweep of the tilt. It ends when the tilt turns back, when the sweep has covered
@@ -23,14 +24,40 @@
 //! rows up to four telegrams apart. Over a longer gap the samples must have been continuous as
 //! well, and the time between two samples counts instead.
 //!
+//! # Two kinds of rigs
+//! [`Rig::new`] is for an LMS 2xx: its columns are even, and the turn angle of a row is enough.
+//! [`Rig::mounted`] is for every line scanner, such as an LD06 or RPLIDAR on a servo. Each beam has
+//! the angle that its scanner tells, the turn angle at its own time, and an origin beside the axis.
+//! Its rows go to the segmenter as free directions, which takes it some two times as long. Pairing,
+//! limits, scans and counts are the same. [`Counters::telegrams`] are then rows of the scanner;
+//! [`Counters::lost`] and [`Counters::rejected`] are those of its packets.
+//!
+//! ```
+//! use scanseg_core::TurnAxis;
+//! use scanseg_hal::rig::Mount;
+//! // an LD06 that stands upright on a panning servo, 37.5 mm beside the axis
+//! let columns = 450;
+//! let mount = Mount {
+//!     axis: TurnAxis::Z,
+//!     columns,
+//!     start_rad: core::f32::consts::PI,
+//!     step_rad: -core::f32::consts::TAU / f32::from(columns),
+//!     lever_arm_m: 0.0375,
+//!     row_us: 100_000,
+//! };
+//! # assert_eq!(mount.beams(), scanseg_core::Beams::Free { wraps: true });
+//! ```
+//!
+//! # Rows of an LMS 2xx
 //! A row has all columns of the variant. A partial scan line is a row of its own, with its own turn
 //! angle: it has ranges in every second or fourth column, and none in those between. The default
 //! segmenter sees surfaces through such gaps; the paper's two approaches do not. A sub-range has
 //! ranges in its own columns. Of means over several scans the turn angle is that of the last.
 //!
-//! All beams of a row get the mean turn angle of the row. [`pairing`](crate::pairing) has a table
-//! of the error that this leaves: on a floor, at 0.5 rad/s, 5.6 mm if two mirror turns make a row,
-//! 1.1 mm if each is a row of its own. So use a variant in steps of 1 degree for a tilt that moves.
+//! Each beam has the turn angle of its own time. On a floor 1 m below, at 0.5 rad/s, where two mirror
+//! turns make a row, its points are off by 0.4 mm; with one turn angle for the row they would be off
+//! by 5.7 mm (`cargo test -p scanseg-virtual-rig --test moving -- --nocapture`). Of a sub-range that
+//! does not begin with the first mirror turn all beams have the mean turn angle.
 //!
 //! # How long a call takes, and the buffer of the port
 //! [`Rig::tilt`] and [`Rig::idle`] do not segment, but for the end of a scan. [`Rig::receive`] and
@@ -143,11 +170,14 @@
 
 mod counters;
 mod limits;
+mod lms;
+mod mount;
 mod pipeline;
 mod place;
 mod sink;
 
 pub use counters::{Counters, Dropped};
 pub use limits::{RigError, TiltLimits, beams};
+pub use mount::Mount;
 pub use pipeline::Rig;
 pub use sink::{End, RigSink, ScanFinished, ScanStarted};

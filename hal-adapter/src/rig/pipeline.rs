@@ -2,15 +2,15 @@
 
 use core::mem;
 
-use scanseg_core::{Finished, PushError, Segmenter, Status};
+use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Status};
 
 use super::counters::{Counters, Dropped, count};
 use super::limits::{RigError, TiltLimits};
-use super::place::Place;
+use super::place::{Line, Place};
 use super::sink::{Counting, End, RigSink, ScanFinished, ScanStarted};
 use crate::latch::Latch;
-use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, Trouble, feed};
-use crate::pairing::{BeamAges, Pairing, RowTurn};
+use crate::lms2xx::{Settings, Trouble};
+use crate::pairing::Pairing;
 
 /// The largest distance of two rows, in telegrams, at which the limits of the rate suffice to
 /// detect a jump of the encoder.
@@ -27,49 +27,57 @@ struct Progress {
     stopped: bool,
 }
 
-/// Scanner, tilt and segmenter: see [`rig`](crate::rig).
+/// Scanner, tilt and segmenter: see [`rig`](crate::rig). `K` is what the rig knows of its scanner: the
+/// [`Settings`] of an LMS 2xx, or the [`Mount`](super::Mount) of another line scanner.
 #[derive(Debug)]
-pub struct Rig<'a, S> {
-    settings: Settings,
+pub struct Rig<'a, S, K = Settings> {
+    pub(super) scanner: K,
+    columns: u16,
+    /// Time from row to row.
+    period_us: u32,
     limits: TiltLimits,
     segmenter: S,
-    pairing: Pairing,
-    /// The ranges of the last row, and of the row held.
-    row_m: &'a mut [f32],
+    pub(super) pairing: Pairing,
+    /// The ranges of the last row, and of the row held; behind them the directions of free beams.
+    pub(super) row_m: &'a mut [f32],
     held_m: &'a mut [f32],
     /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
     /// with it.
-    held: Option<Place>,
+    held: Option<Line>,
     scan: Option<Progress>,
     /// The last sample with a plausible rate, and the time of the last sample that did not continue
     /// the one before.
     followed: Option<Place>,
     jumped_us: u64,
     /// Times of start bytes: of the telegram under way, and of the last valid one.
-    start_us: Option<u64>,
-    last_start_us: Option<u64>,
-    counters: Counters,
+    pub(super) start_us: Option<u64>,
+    pub(super) last_start_us: Option<u64>,
+    pub(super) counters: Counters,
 }
 
-impl<'a, S: Segmenter> Rig<'a, S> {
-    /// Returns a rig. `settings` are those of the scanner's session. `segmenter` has the columns of
-    /// the variant and its [`beams`](super::beams). `rows_m` is memory for two rows of ranges.
-    ///
-    /// # Errors
-    /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
-    pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
-        limits.check(&settings)?;
-        let columns = usize::from(settings.variant.columns());
-        let (needed, got) = (2 * columns, rows_m.len());
-        let Some((row_m, held_m)) = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(columns))
-        else {
-            return Err(RigError::Memory { needed, got });
-        };
+impl<'a, S: Segmenter, K> Rig<'a, S, K> {
+    /// Puts a rig together: columns of a row, numbers that are kept of each, and the time from row
+    /// to row.
+    pub(super) fn of_parts(
+        scanner: K,
+        (columns, numbers, period_us): (u16, usize, u32),
+        limits: TiltLimits,
+        segmenter: S,
+        pairing: Pairing,
+        rows_m: &'a mut [f32],
+    ) -> Result<Self, RigError> {
+        limits.check(period_us)?;
+        let row = numbers * usize::from(columns);
+        let (needed, got) = (2 * row, rows_m.len());
+        let rows_m = rows_m.get_mut(..needed).and_then(|rows_m| rows_m.split_at_mut_checked(row));
+        let (row_m, held_m) = rows_m.ok_or(RigError::Memory { needed, got })?;
         Ok(Self {
-            settings,
+            scanner,
+            columns,
+            period_us,
             limits,
             segmenter,
-            pairing: Pairing::new(&settings),
+            pairing,
             row_m,
             held_m,
             held: None,
@@ -100,30 +108,6 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         self.followed = Some(here);
     }
 
-    /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
-    pub fn receive(&mut self, session: &mut Session, bytes: &[u8], now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
-        self.counters.bytes = self.counters.bytes.wrapping_add(bytes.len() as u64);
-        let mut rest = bytes;
-        while let (used, Some(event)) = feed(session, rest, now_us) {
-            rest = rest.get(used..).unwrap_or(&[]);
-            self.handle(event, session.scan_line(), sink);
-        }
-    }
-
-    /// Takes an event of a scanner on its port, and with [`ScannerEvent::ScanLine`] its scan line.
-    pub fn handle(&mut self, event: ScannerEvent, line: Option<ScanLine<'_>>, sink: &mut (impl RigSink + ?Sized)) {
-        match (event, line) {
-            (ScannerEvent::Start { time_us }, _) => {
-                self.start_us = Some(time_us);
-                self.pairing.start(time_us);
-            }
-            (ScannerEvent::ScanLine, Some(line)) => self.telegram(&line, sink),
-            (ScannerEvent::ScanLine, None) => {}
-            (ScannerEvent::Rejected(_), _) => count(&mut self.counters.rejected),
-            (ScannerEvent::Trouble(trouble), _) => self.trouble(trouble, sink),
-        }
-    }
-
     /// Takes a trouble of the scanner, and ends the scan.
     pub fn trouble(&mut self, trouble: Trouble, sink: &mut (impl RigSink + ?Sized)) {
         count(&mut self.counters.troubles);
@@ -137,7 +121,7 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     pub fn idle(&mut self, now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
         let over = |place: &Place| now_us.saturating_sub(place.start_us) > u64::from(self.limits.pause_us);
         let scan_over = self.scan.is_none_or(|scan| over(&scan.last));
-        if scan_over && self.held.is_none_or(|held| over(&held)) {
+        if scan_over && self.held.is_none_or(|held| over(&held.place)) {
             self.end(End::Pause, sink);
         }
     }
@@ -165,44 +149,10 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         self.segmenter
     }
 
-    fn telegram(&mut self, line: &ScanLine<'_>, sink: &mut (impl RigSink + ?Sized)) {
-        count(&mut self.counters.telegrams);
-        // The first telegram after a trouble may come while the session still waits for an answer.
-        // It has no start byte.
-        let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
-        self.count_lost(start_us, line.scans());
-        let turn = self.pairing.row(BeamAges::of(line, self.settings.variant));
-        if !line.fits(self.settings.variant) {
-            return self.drop_row(Dropped::Columns, sink);
-        }
-        if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
-            return self.drop_row(Dropped::Status, sink);
-        }
-        match self.place(turn, start_us) {
-            Err(dropped) => self.drop_row(dropped, sink),
-            Ok(row) => {
-                line.row_m(self.settings.mode, self.settings.variant, self.row_m);
-                self.row(row, sink);
-            }
-        }
-    }
-
-    /// Counts the telegrams lost since the last valid one, by the time.
-    fn count_lost(&mut self, start_us: u64, scans: u8) {
-        let period_us = u64::from(self.settings.period_us()).max(1) * u64::from(scans.max(1));
-        if let Some(last_us) = self.last_start_us.replace(start_us) {
-            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
-            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
-        }
-    }
-
     /// Returns where the tilt was, or why that is not known.
-    fn place(&self, turn: Option<RowTurn>, start_us: u64) -> Result<Place, Dropped> {
-        let turn = turn.ok_or(Dropped::NoTurn)?;
-        let rate_rad_per_s = turn.rate_rad_per_s();
+    pub(super) fn place(&self, turn_rad: f32, rate_rad_per_s: f32, start_us: u64) -> Result<Place, Dropped> {
         if self.limits.plausible(rate_rad_per_s) {
-            // one angle for all: angles of their own take the edge-based approach four times as long
-            Ok(Place { turn_rad: turn.turn_rad(), rising: rate_rad_per_s > 0.0, start_us })
+            Ok(Place { turn_rad, rising: rate_rad_per_s > 0.0, start_us })
         } else if rate_rad_per_s.abs() < self.limits.min_rate_rad_per_s {
             Err(Dropped::Standing)
         } else {
@@ -214,60 +164,64 @@ impl<'a, S: Segmenter> Rig<'a, S> {
     /// are of one sweep. Over a long time a jump can stay within the limits of the rate, so the
     /// samples must have shown none.
     fn goes_on(&self, before: &Place, place: &Place) -> Option<f32> {
-        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.settings.period_us());
+        let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.period_us);
         let sure = near || self.jumped_us < before.start_us;
         place.since(before, &self.limits).filter(|_| sure)
     }
 
     /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
     /// one to be held.
-    fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
-        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
+    pub(super) fn row(&mut self, row: Line, sink: &mut (impl RigSink + ?Sized)) {
+        let goes_on = |before: &Place| self.goes_on(before, &row.place);
+        if let Some(moved_rad) = self.scan.and_then(|scan| goes_on(&scan.last)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
             if covered_rad + moved_rad > self.limits.sweep_rad {
                 self.end(End::Covered, sink);
-                self.begin(place, sink);
-                self.push(place, 0.0, sink);
+                self.begin(&row.place, sink);
+                self.push(row, 0.0, sink);
             } else {
-                self.push(place, moved_rad, sink);
+                self.push(row, moved_rad, sink);
             }
-        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, goes_on(&held.place)?))) {
             self.held = None;
             self.end(End::Turned, sink);
-            self.begin(held, sink);
+            self.begin(&held.place, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
             self.push(held, 0.0, sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.push(place, moved_rad, sink);
+            self.push(row, moved_rad, sink);
         } else {
             self.drop_held(sink);
             mem::swap(&mut self.row_m, &mut self.held_m);
-            self.held = Some(place);
+            self.held = Some(row);
         }
     }
 
     /// Begins a scan.
-    fn begin(&mut self, first: Place, sink: &mut (impl RigSink + ?Sized)) {
+    fn begin(&mut self, first: &Place, sink: &mut (impl RigSink + ?Sized)) {
         count(&mut self.counters.scans);
-        self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
+        self.scan = Some(Progress { last: *first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
             number: self.counters.scans,
-            columns: self.row_m.len() as u16,
+            columns: self.columns,
             turn_rad: first.turn_rad,
         });
     }
 
-    /// Gives `row_m` to the segmenter.
-    fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
+    /// Gives the last row to the segmenter.
+    fn push(&mut self, row: Line, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
         let Some(scan) = &mut self.scan else { return };
-        scan.last = place;
+        scan.last = row.place;
         scan.covered_rad += moved_rad;
         if scan.stopped {
             return self.drop_row(Dropped::Stopped, sink);
         }
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
-        match self.segmenter.push_row(self.row_m, place.turn_rad, &mut counting) {
+        let (ranges_m, rest) = self.row_m.split_at_checked(self.columns.into()).unwrap_or_default();
+        let (directions, _) = rest.as_chunks();
+        let beams = if directions.is_empty() { row.beams() } else { RowBeams::free(directions) };
+        match self.segmenter.push_row(ranges_m, beams, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);
                 scan.stopped = status == Status::Stopped;
@@ -275,8 +229,8 @@ impl<'a, S: Segmenter> Rig<'a, S> {
             }
             Err(PushError::TooManyRows { .. }) if scan.rows > 0 => {
                 self.end(End::Covered, sink);
-                self.begin(place, sink);
-                self.push(place, 0.0, sink);
+                self.begin(&row.place, sink);
+                self.push(row, 0.0, sink);
             }
             Err(_) => self.drop_row(Dropped::Refused, sink),
         }
@@ -302,7 +256,7 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         }
     }
 
-    fn drop_row(&mut self, dropped: Dropped, sink: &mut (impl RigSink + ?Sized)) {
+    pub(super) fn drop_row(&mut self, dropped: Dropped, sink: &mut (impl RigSink + ?Sized)) {
         count(self.counters.of(dropped));
         sink.row_dropped(dropped);
     }

@@ -16,7 +16,8 @@ pub(crate) use cutter::{BACK, Cut, Cutter, FULL_TURN};
 pub use row::{Row, RowMemory, View};
 pub(crate) use window::Window;
 
-/// A line scanner whose bytes become rows. It needs no port and no clock, and never waits.
+/// A line scanner whose bytes become rows. [`Rig::mounted`](crate::rig::Rig::mounted) makes segments
+/// of them. It needs no port and no clock, and never waits.
 ///
 /// ```
 /// use scanseg_hal::ld06::{Ld06, Model};

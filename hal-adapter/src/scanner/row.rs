@@ -61,6 +61,14 @@ impl Row<'_> {
         (turns_after + (last_rad - angle_rad).abs() / TAU) * self.mirror_turn_us
     }
 
+    /// Returns the mean of [`Row::beam_age_us`] over the beams; 0 if there are none.
+    #[must_use]
+    pub fn mean_age_us(&self) -> f32 {
+        let beams = self.angles_rad.len();
+        let sum_us: f32 = (0..beams).map(|beam| self.beam_age_us(beam)).sum();
+        sum_us / beams.max(1) as f32
+    }
+
     /// Puts each beam into the nearest column of an even fan, for a segmenter whose columns are
     /// [`Columns::Even`](scanseg_core::Columns::Even): column `c` is at `start_rad + c * step_rad`,
     /// there are as many as the shorter slice is long. Of two beams in one column the one nearer to

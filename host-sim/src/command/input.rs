@@ -7,6 +7,7 @@ use scanseg_core::Ranging;
 use scanseg_formats::{
     CameraOptions, FileError, Geometry, GeometryError, RangeImage, ReadOptions, Scan, ScanError, ScanFile,
 };
+use scanseg_sim::segmentation::within_limits;
 
 use crate::command::output::Failure;
 
@@ -87,7 +88,7 @@ impl ScanArguments {
     pub fn open(&self) -> Result<ScanFile, Failure> {
         let camera = CameraOptions { fx_px: self.fx, fy_px: self.fy, cx_px: self.cx, cy_px: self.cy };
         let (geometry, topic) = (self.geometry.clone(), self.topic.clone());
-        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic };
+        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic, ..ReadOptions::default() };
         ScanFile::open(&self.scan, &options).map_err(failure)
     }
 
@@ -148,10 +149,7 @@ impl Input {
 
     /// Returns the ranges without what lies outside of the limits.
     pub fn returns(&self, ranging: &Ranging) -> RangeImage {
-        let limits = ranging.min_range_m..=ranging.max_range_m;
-        let RangeImage { rows, columns, range_m } = &self.ranges;
-        let range_m = range_m.iter().map(|range_m| if limits.contains(range_m) { *range_m } else { 0.0 });
-        RangeImage { rows: *rows, columns: *columns, range_m: range_m.collect() }
+        within_limits(&self.ranges, ranging)
     }
 
     /// Returns a line for each remark.

@@ -12,6 +12,7 @@ mod live;
 mod messages;
 mod noise;
 mod office;
+mod opened;
 mod options;
 mod output;
 mod planes;

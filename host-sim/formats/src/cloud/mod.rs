@@ -41,8 +41,8 @@ impl Cloud {
     /// Returns the scan as [`Cloud::into_scan`] does, and the axes that the cloud had.
     pub fn into_scan_with_axes(mut self, name: String, options: &ReadOptions) -> Result<(Scan, Axes), Cause> {
         let Cloud { rows, columns, .. } = self;
-        let mut geometry = match &options.geometry {
-            Some(path) => Geometry::read(path)?,
+        let mut geometry = match options.geometry()? {
+            Some(geometry) => geometry,
             None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
         };
         (geometry.unit_m, geometry.no_return) = (options.unit_m.unwrap_or(1.0), vec![]);

@@ -3,7 +3,7 @@
 //! A sweep is a scan: it ends where the turn goes back, or after a whole turn. Each beam has the pose
 //! of its own time.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::cloud::Cloud;
 use crate::file::Cause;
@@ -109,8 +109,8 @@ pub struct Sweeps {
     pub name: String,
     pub options: ReadOptions,
     pub recording: Box<dyn Recording>,
-    pub topic: Rc<Topic>,
-    pub turned: Rc<Turned>,
+    pub topic: Arc<Topic>,
+    pub turned: Arc<Turned>,
     /// The rows of the sweep that has begun.
     pub begun: Sweep,
     /// The sweep to which it has come.

@@ -1,0 +1,81 @@
+//! The rig of an LMS 2xx: its telegrams become rows.
+
+use scanseg_core::{RowBeams, Segmenter};
+
+use super::counters::{Dropped, count};
+use super::limits::{RigError, TiltLimits};
+use super::pipeline::Rig;
+use super::place::Line;
+use super::sink::RigSink;
+use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, feed};
+use crate::pairing::{BeamAges, Pairing};
+
+impl<'a, S: Segmenter> Rig<'a, S> {
+    /// Returns the rig of an LMS 2xx. `settings` are those of the scanner's session. `segmenter` has
+    /// the columns of the variant and its [`beams`](super::beams). `rows_m` is memory for two rows
+    /// of ranges.
+    ///
+    /// # Errors
+    /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
+    pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
+        let rows = (settings.variant.columns(), 1, settings.period_us());
+        Self::of_parts(settings, rows, limits, segmenter, Pairing::new(&settings), rows_m)
+    }
+
+    /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
+    pub fn receive(&mut self, session: &mut Session, bytes: &[u8], now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
+        self.counters.bytes = self.counters.bytes.wrapping_add(bytes.len() as u64);
+        let mut rest = bytes;
+        while let (used, Some(event)) = feed(session, rest, now_us) {
+            rest = rest.get(used..).unwrap_or(&[]);
+            self.handle(event, session.scan_line(), sink);
+        }
+    }
+
+    /// Takes an event of a scanner on its port, and with [`ScannerEvent::ScanLine`] its scan line.
+    pub fn handle(&mut self, event: ScannerEvent, line: Option<ScanLine<'_>>, sink: &mut (impl RigSink + ?Sized)) {
+        match (event, line) {
+            (ScannerEvent::Start { time_us }, _) => {
+                self.start_us = Some(time_us);
+                self.pairing.start(time_us);
+            }
+            (ScannerEvent::ScanLine, Some(line)) => self.telegram(&line, sink),
+            (ScannerEvent::ScanLine, None) => {}
+            (ScannerEvent::Rejected(_), _) => count(&mut self.counters.rejected),
+            (ScannerEvent::Trouble(trouble), _) => self.trouble(trouble, sink),
+        }
+    }
+
+    fn telegram(&mut self, line: &ScanLine<'_>, sink: &mut (impl RigSink + ?Sized)) {
+        count(&mut self.counters.telegrams);
+        // The first telegram after a trouble may come while the session still waits for an answer.
+        // It has no start byte.
+        let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
+        self.count_lost(start_us, line.scans());
+        let turn = self.pairing.row(BeamAges::of(line, self.scanner.variant));
+        if !line.fits(self.scanner.variant) {
+            return self.drop_row(Dropped::Columns, sink);
+        }
+        if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
+            return self.drop_row(Dropped::Status, sink);
+        }
+        let Some(turn) = turn else { return self.drop_row(Dropped::NoTurn, sink) };
+        match self.place(turn.turn_rad(), turn.rate_rad_per_s(), start_us) {
+            Err(dropped) => self.drop_row(dropped, sink),
+            Ok(place) => {
+                line.row_m(self.scanner.mode, self.scanner.variant, self.row_m);
+                let RowBeams { turn_rad, column_turns, .. } = turn.beams();
+                self.row(Line { place, column_turns, first_rad: turn_rad - place.turn_rad }, sink);
+            }
+        }
+    }
+
+    /// Counts the telegrams lost since the last valid one, by the time.
+    fn count_lost(&mut self, start_us: u64, scans: u8) {
+        let period_us = u64::from(self.scanner.period_us()).max(1) * u64::from(scans.max(1));
+        if let Some(last_us) = self.last_start_us.replace(start_us) {
+            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
+            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
+        }
+    }
+}
