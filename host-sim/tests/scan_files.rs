@@ -89,10 +89,20 @@ fn a_table_is_one_segment() {
 fn a_cloud_without_rows_is_refused_and_says_what_to_do() {
     let Some(data) = recorded("velodyne") else { return };
     let folder = folder("velodyne-list");
-    for name in ["vlp16_1673400472138016708.pcd", "vlp32_1713492677464078412.pcd"] {
-        let arguments = format!("segment {} --out out", data.join(name).display());
-        fails(&folder, &arguments, &["points without rows and columns: its HEIGHT is 1", "HEIGHT above 1"]);
-    }
+    let list = data.join("vlp32_1713492677464078412.pcd");
+    let arguments = format!("segment {} --out out", list.display());
+    fails(&folder, &arguments, &["points without rows and columns: its HEIGHT is 1", "HEIGHT above 1"]);
+}
+
+/// The points of another program, which tells the channel of each and leaves out what has no return.
+#[test]
+fn a_list_of_points_with_their_ring_has_rows() {
+    let Some(data) = recorded("velodyne") else { return };
+    let scan = read(&data.join("vlp16_1673400472138016708.pcd"), None);
+    // 360 / 0.199; one ring sees nothing, and 1298 points lie within 0.02 degrees of another of their ring
+    assert_eq!(scan.image.rows, 15);
+    assert!((1800..=1815).contains(&scan.image.columns), "{}", scan.image.columns);
+    assert!(scan.measured > 14_831 - 1298 - 150, "{}", scan.measured);
 }
 
 #[test]

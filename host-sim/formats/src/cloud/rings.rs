@@ -18,6 +18,8 @@ const MAX_RINGS: usize = 1024;
 const MAX_COLUMNS: usize = 16_384;
 /// Points of one ring are no nearer to each other, but two returns of one shot: 0.005 degrees.
 const LEAST_STEP_RAD: f64 = 8.7e-5;
+/// Points of one ring that are nearer to each other are returns of one shot, columns.
+const SAME_SHOT: f64 = 0.2;
 /// A cloud with fewer points than one in so many pixels is none of rings.
 const MOST_PIXELS_A_POINT: usize = 16;
 
@@ -46,10 +48,19 @@ pub(crate) fn rows_of(points: &[[f32; 4]], advice: &'static str) -> Result<Cloud
     for (row, ring) in organised.chunks_exact_mut(columns).zip(&rows) {
         let phase = phase(ring, columns);
         for point in ring {
-            let column = (steps(point, columns) - phase).round().rem_euclid(columns as f64) as usize % columns;
-            // of two returns of a shot, or of two turns, the first counts
-            if row[column][0].is_nan() {
-                row[column] = *point;
+            let at = steps(point, columns) - phase;
+            let nearest = at.round();
+            let aside = if at < nearest { -1.0 } else { 1.0 };
+            // azimuths are rounded: of two points near one column one is in the next
+            for column in [nearest, nearest + aside] {
+                let place = &mut row[column.rem_euclid(columns as f64) as usize % columns];
+                if place[0].is_nan() {
+                    *place = *point;
+                }
+                // of two returns of a shot the first counts
+                if (steps(place, columns) - phase - at).abs() < SAME_SHOT {
+                    break;
+                }
             }
         }
     }
@@ -75,7 +86,7 @@ fn elevation(ring: &[[f32; 3]]) -> f64 {
     ring.iter().map(tangent).sum::<f64>() / ring.len() as f64
 }
 
-/// Returns how many columns a turn has: a quarter of the steps within the rings are as short as one.
+/// Returns how many columns a turn has. A quarter of the steps within the rings are one column or less.
 fn columns<'a>(rings: impl Iterator<Item = &'a Vec<[f32; 3]>>) -> Option<usize> {
     let mut steps_rad = vec![];
     for ring in rings {
@@ -83,16 +94,19 @@ fn columns<'a>(rings: impl Iterator<Item = &'a Vec<[f32; 3]>>) -> Option<usize> 
         left_rad.sort_by(f64::total_cmp);
         steps_rad.extend(left_rad.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > LEAST_STEP_RAD));
     }
-    let quarter = steps_rad.len() / 4;
     if steps_rad.is_empty() {
         return None;
     }
-    let (_, step_rad, _) = steps_rad.select_nth_unstable_by(quarter, f64::total_cmp);
-    let near_rad = 1.5 * *step_rad;
-    // the mean of those that are one step: single ones are rounded
-    let single = steps_rad.iter().filter(|step| (near_rad / 3.0..near_rad).contains(*step));
-    let (sum_rad, count) = single.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
-    let columns = (TAU / (sum_rad / count)).round();
+    let quarter = steps_rad.len() / 4;
+    let (_, quarter_rad, _) = steps_rad.select_nth_unstable_by(quarter, f64::total_cmp);
+    // of those that are one step
+    let (least_rad, most_rad) = (*quarter_rad / 2.0, *quarter_rad * 1.5);
+    steps_rad.retain(|step_rad| (least_rad..most_rad).contains(step_rad));
+    let middle = steps_rad.len() / 2;
+    let (_, middle_rad, _) = steps_rad.select_nth_unstable_by(middle, f64::total_cmp);
+    let (least_rad, most_rad) = (*middle_rad * 0.8, *middle_rad * 1.2);
+    steps_rad.retain(|step_rad| (least_rad..most_rad).contains(step_rad));
+    let columns = (TAU * steps_rad.len() as f64 / steps_rad.iter().sum::<f64>()).round();
     (columns >= 2.0 && columns <= MAX_COLUMNS as f64).then_some(columns as usize)
 }
 
