@@ -16,7 +16,9 @@ def test_docstrings(module):
     assert results.attempted > 3 and results.failed == 0
 
 
-@pytest.mark.parametrize(("page", "segments"), [("README.md", 1), ("../../docs/python.md", 17)])
+@pytest.mark.parametrize(
+    ("page", "segments"), [("README.md", 1), ("../../docs/python.md", 17), ("../../docs/covariances.md", 17)]
+)
 def test_pages(page, segments):
     text = (Path(__file__).parents[1] / page).read_text()
     (program,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
