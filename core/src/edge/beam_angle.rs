@@ -85,7 +85,7 @@ pub(crate) enum Pair {
     Nodding { offset: isize, turn_vers: f32, column_vers: Option<f32> },
     /// Rows of a nodding scanner whose columns go on turning, this one and the one before on the
     /// trace; `turn_rad` is the difference of their turns.
-    Turning { offset: isize, turn_rad: f32, column_turns: [ColumnTurns; 2], column_vers: Option<f32> },
+    Turning { offset: isize, turn_rad: f32, column_turns: [ColumnTurns; 2] },
     /// Listed column angles: vers Phi = rows_vers + scale * vers of their difference.
     Listed { offset: isize, rows_vers: f32, scale: f32 },
     /// (u, v) of a pixel, less (du, dv), is that of the previous one.
@@ -110,13 +110,11 @@ impl Fan<'_> {
         let turn_rad = now.beams.turn_rad - before.beams.turn_rad;
         if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
             let still = |at: &RowBeam| self.is_plain(&at.beams.with_column_turns(ColumnTurns::NONE));
-            return match &self.beams {
-                Beams::Nodding { columns, .. } if still(&now) && still(&before) => {
-                    let column_turns = [now, before].map(|at| at.beams.column_turns);
-                    Pair::Turning { offset, turn_rad, column_turns, column_vers: even_vers(columns, offset) }
-                }
-                _ => Pair::Rays { offset },
-            };
+            if !self.turns() || !still(&now) || !still(&before) {
+                return Pair::Rays { offset };
+            }
+            let column_turns = [now, before].map(|at| at.beams.column_turns);
+            return Pair::Turning { offset, turn_rad, column_turns };
         }
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
@@ -178,23 +176,8 @@ impl Fan<'_> {
                     sin[i] = sin_from_vers(vers_phi[i]);
                 }
             }
-            (&Pair::Turning { offset, turn_rad, column_turns, column_vers }, Beams::Nodding { columns, .. }) => {
-                let (mut cos, mut cos_before, mut turned) = ([0.0; CHUNK], [0.0; CHUNK], [[0.0; CHUNK]; 2]);
-                let before = from as isize - offset;
-                self.cos_sin(columns, from as isize, &mut cos, sin);
-                self.cos_sin(columns, before, &mut cos_before, sin);
-                match column_vers {
-                    Some(vers) => *vers_phi = [vers; CHUNK],
-                    None => listed_vers(columns, from, offset, count, vers_phi),
-                }
-                for ((turns, from), turned) in column_turns.iter().zip([from as isize, before]).zip(&mut turned) {
-                    turns.of_chunk(from, turned);
-                }
-                for i in 0..CHUNK {
-                    let turn_vers = vers_of_turn(turn_rad + turned[0][i] - turned[1][i]);
-                    vers_phi[i] = (vers_phi[i] + cos[i] * cos_before[i] * turn_vers).max(0.0);
-                    sin[i] = sin_from_vers(vers_phi[i]);
-                }
+            (&Pair::Turning { offset, turn_rad, column_turns }, Beams::Nodding { columns, .. }) => {
+                turning(self, columns, (turn_rad, column_turns), offset, [from, count], [sin, vers_phi]);
             }
             (
                 &Pair::Listed { offset, rows_vers, scale },
@@ -219,6 +202,35 @@ impl Fan<'_> {
             }
             _ => {}
         }
+    }
+}
+
+/// What [`Fan::angles`] gives, of rows whose columns go on turning.
+#[inline(never)]
+fn turning(
+    fan: &Fan,
+    columns: &Columns,
+    (turn_rad, column_turns): (f32, [ColumnTurns; 2]),
+    offset: isize,
+    [from, count]: [usize; 2],
+    [sin, vers_phi]: [&mut Lane; 2],
+) {
+    let (mut cos, mut cos_before, mut turned) = ([0.0; CHUNK], [0.0; CHUNK], [[0.0; CHUNK]; 2]);
+    let starts = [from as isize, from as isize - offset];
+    for (cos, start) in [&mut cos, &mut cos_before].into_iter().zip(starts) {
+        fan.cos_sin(columns, start, cos, sin);
+    }
+    for ((turns, start), turned) in column_turns.iter().zip(starts).zip(&mut turned) {
+        turns.of_chunk(start, turned);
+    }
+    match even_vers(columns, offset) {
+        Some(vers) => *vers_phi = [vers; CHUNK],
+        None => listed_vers(columns, from, offset, count, vers_phi),
+    }
+    for i in 0..CHUNK {
+        let turn_vers = vers_of_turn(turn_rad + turned[0][i] - turned[1][i]);
+        vers_phi[i] = (vers_phi[i] + cos[i] * cos_before[i] * turn_vers).max(0.0);
+        sin[i] = sin_from_vers(vers_phi[i]);
     }
 }
 

@@ -1,25 +1,56 @@
 //! The rig of an LMS 2xx: its telegrams become rows.
 
-use scanseg_core::{RowBeams, Segmenter};
+use scanseg_core::Segmenter;
 
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
-use super::pipeline::Rig;
+use super::pipeline::{Rig, Turns};
 use super::place::Line;
 use super::sink::RigSink;
 use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, feed};
 use crate::pairing::{BeamAges, Pairing};
 
-impl<'a, S: Segmenter> Rig<'a, S> {
-    /// Returns the rig of an LMS 2xx. `settings` are those of the scanner's session. `segmenter` has
+/// The settings of an LMS 2xx in whose rig each beam has the turn angle of its own time; with bare
+/// [`Settings`] all beams of a row have its mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnTurns(pub Settings);
+
+/// What a rig knows of its LMS 2xx: [`Settings`], or [`OwnTurns`].
+pub trait LmsRows: Turns {
+    /// Returns the settings of the scanner's session.
+    fn settings(&self) -> &Settings;
+}
+
+impl Turns for Settings {}
+
+impl LmsRows for Settings {
+    fn settings(&self) -> &Settings {
+        self
+    }
+}
+
+impl Turns for OwnTurns {
+    const OWN: bool = true;
+}
+
+impl LmsRows for OwnTurns {
+    fn settings(&self) -> &Settings {
+        &self.0
+    }
+}
+
+impl<'a, S: Segmenter, K: LmsRows> Rig<'a, S, K> {
+    /// Returns the rig of an LMS 2xx. `scanner` are the settings of its session. `segmenter` has
     /// the columns of the variant and its [`beams`](super::beams). `rows_m` is memory for two rows
     /// of ranges.
     ///
     /// # Errors
     /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
-    pub fn new(settings: Settings, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
+    pub fn new(scanner: K, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
+        let settings = scanner.settings();
         let rows = (settings.variant.columns(), 1, settings.period_us());
-        Self::of_parts(settings, rows, limits, segmenter, Pairing::new(&settings), rows_m)
+        let pairing = Pairing::new(settings);
+        Self::of_parts(scanner, rows, limits, segmenter, pairing, rows_m)
     }
 
     /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
@@ -52,8 +83,8 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         // It has no start byte.
         let Some(start_us) = self.start_us.take() else { return self.drop_row(Dropped::NoTurn, sink) };
         self.count_lost(start_us, line.scans());
-        let turn = self.pairing.row(BeamAges::of(line, self.scanner.variant));
-        if !line.fits(self.scanner.variant) {
+        let turn = self.pairing.row(BeamAges::of(line, self.scanner.settings().variant));
+        if !line.fits(self.scanner.settings().variant) {
             return self.drop_row(Dropped::Columns, sink);
         }
         if line.status().severity() >= Some(Severity::Error) || line.status().implausible() {
@@ -63,16 +94,16 @@ impl<'a, S: Segmenter> Rig<'a, S> {
         match self.place(turn.turn_rad(), turn.rate_rad_per_s(), start_us) {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
-                line.row_m(self.scanner.mode, self.scanner.variant, self.row_m);
-                let RowBeams { turn_rad, column_turns, .. } = turn.beams();
-                self.row(Line { place, column_turns, first_rad: turn_rad - place.turn_rad }, sink);
+                line.row_m(self.scanner.settings().mode, self.scanner.settings().variant, self.row_m);
+                let row = if K::OWN { Line::new(place, &turn) } else { Line::still(place) };
+                self.row(row, sink);
             }
         }
     }
 
     /// Counts the telegrams lost since the last valid one, by the time.
     fn count_lost(&mut self, start_us: u64, scans: u8) {
-        let period_us = u64::from(self.scanner.period_us()).max(1) * u64::from(scans.max(1));
+        let period_us = u64::from(self.scanner.settings().period_us()).max(1) * u64::from(scans.max(1));
         if let Some(last_us) = self.last_start_us.replace(start_us) {
             let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
             self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);

@@ -6,7 +6,7 @@ use scanseg_core::{Beams, Segmenter, TurnAxis};
 
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
-use super::pipeline::Rig;
+use super::pipeline::{Rig, Turns};
 use super::place::Line;
 use super::sink::RigSink;
 use crate::pairing::Pairing;
@@ -102,6 +102,8 @@ impl Mount {
         (range_m, direction)
     }
 }
+
+impl Turns for Mount {}
 
 impl<'a, S: Segmenter> Rig<'a, S, Mount> {
     /// Returns the rig of a scanner that is so mounted. `segmenter` has the columns of the mount and

@@ -27,8 +27,14 @@ struct Progress {
     stopped: bool,
 }
 
+/// What a rig knows of its scanner.
+pub trait Turns {
+    /// Whether the columns of a row go on turning.
+    const OWN: bool = false;
+}
+
 /// Scanner, tilt and segmenter: see [`rig`](crate::rig). `K` is what the rig knows of its scanner: the
-/// [`Settings`] of an LMS 2xx, or the [`Mount`](super::Mount) of another line scanner.
+/// [`Settings`] of an LMS 2xx, bare or as [`OwnTurns`](super::OwnTurns), or the [`Mount`](super::Mount) of another line scanner.
 #[derive(Debug)]
 pub struct Rig<'a, S, K = Settings> {
     pub(super) scanner: K,
@@ -55,7 +61,7 @@ pub struct Rig<'a, S, K = Settings> {
     pub(super) counters: Counters,
 }
 
-impl<'a, S: Segmenter, K> Rig<'a, S, K> {
+impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
     /// Puts a rig together: columns of a row, numbers that are kept of each, and the time from row
     /// to row.
     pub(super) fn of_parts(
@@ -220,7 +226,11 @@ impl<'a, S: Segmenter, K> Rig<'a, S, K> {
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
         let (ranges_m, rest) = self.row_m.split_at_checked(self.columns.into()).unwrap_or_default();
         let (directions, _) = rest.as_chunks();
-        let beams = if directions.is_empty() { row.beams() } else { RowBeams::free(directions) };
+        let beams = match directions {
+            [] if K::OWN => row.beams(),
+            [] => row.place.turn_rad.into(),
+            _ => RowBeams::free(directions),
+        };
         match self.segmenter.push_row(ranges_m, beams, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);

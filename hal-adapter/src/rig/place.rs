@@ -3,7 +3,7 @@
 use scanseg_core::{ColumnTurns, RowBeams};
 
 use super::limits::TiltLimits;
-use crate::pairing::shorter_way;
+use crate::pairing::{RowTurn, shorter_way};
 
 /// A row with a plausible turn angle: its place, and how its columns go on turning.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,12 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// Returns a row each of whose columns has its own turn.
+    pub fn new(place: Place, turn: &RowTurn) -> Self {
+        let RowBeams { turn_rad, column_turns, .. } = turn.beams();
+        Self { place, column_turns, first_rad: turn_rad - place.turn_rad }
+    }
+
     /// Returns a row whose columns are all turned as its place says.
     pub fn still(place: Place) -> Self {
         Self { place, column_turns: ColumnTurns::NONE, first_rad: 0.0 }

@@ -8,7 +8,7 @@ use scanseg_hal::Latch;
 use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
 use scanseg_hal::lms2xx::{Action, Baud, Phase, Session, Settings};
-use scanseg_hal::rig::{Rig, RigSink};
+use scanseg_hal::rig::{LmsRows, Rig, RigSink};
 
 use crate::as5048a::VirtualAs5048a;
 use crate::lms2xx::VirtualLms;
@@ -37,13 +37,13 @@ type Shaft = Box<dyn FnMut() -> f64>;
 
 /// A virtual scanner on a virtual tilt with a virtual encoder, and the rig that reads them. Starts
 /// at time 0.
-pub struct Chain<'a, S> {
+pub struct Chain<'a, S, K = Settings> {
     /// The scanner.
     pub lms: VirtualLms,
     /// Its encoder's state.
     pub encoder_fault: EncoderFault,
     /// What reads both.
-    pub rig: Rig<'a, S>,
+    pub rig: Rig<'a, S, K>,
     session: Session,
     motion: Motion,
     shaft_turns: Rc<Cell<f64>>,
@@ -85,10 +85,10 @@ pub fn scanner_on_tilt(
     lms.configured(settings.mode, settings.unit)
 }
 
-impl<'a, S: Segmenter> Chain<'a, S> {
+impl<'a, S: Segmenter, K: LmsRows> Chain<'a, S, K> {
     /// Puts the chain together; see [`scanner_on_tilt`] for the scanner.
     #[must_use]
-    pub fn new(settings: Settings, lms: VirtualLms, motion: Motion, rig: Rig<'a, S>) -> Self {
+    pub fn new(settings: Settings, lms: VirtualLms, motion: Motion, rig: Rig<'a, S, K>) -> Self {
         let shaft_turns = Rc::new(Cell::new(0.0));
         let shaft = Rc::clone(&shaft_turns);
         let sensor = VirtualAs5048a::new(Box::new(move || shaft.get()) as Shaft);
