@@ -153,6 +153,9 @@ fn ends_beside_the_scanner() {
         let ranging = Ranging::new(range_noise_m).with_limits(1e-4, 100.0);
         assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(ranging)), "in doubt at {range_noise_m}");
     }
+    scan.range_m[27 * 28 + 13..][..2].fill(1e-40);
+    let nearest = Ranging::new(0.28).with_limits(f32::MIN_POSITIVE / 1e6, 100.0);
+    assert!(!assert_same(&scan, &RegionConfig::paper().with_ranging(nearest)), "no doubt");
 }
 
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live

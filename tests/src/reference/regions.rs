@@ -15,6 +15,9 @@ const UNIT_M: f64 = 1.0 / 4096.0;
 /// Standard deviations that an end point may be off.
 const DISTANCE_SIGMAS: f64 = 4.0;
 
+/// The squares of nearer points are below all digits of single precision, metres.
+const NEAREST_M: f64 = 1e-15;
+
 /// A way steeper than this against the beam is a step: the cotangent of 3 degrees.
 const GRAZING_COT: f64 = 19.1;
 
@@ -112,6 +115,7 @@ impl Grower<'_> {
 
     /// How well a region takes a line, if it does: whether it has a plane, and its points.
     fn takes(&mut self, region: usize, line: &[Vector3<f64>], ends: &[Vector3<f64>; 2]) -> Option<(bool, usize)> {
+        self.doubt.doubtful += ends.iter().filter(|end| end.norm() < NEAREST_M).count();
         let own = axes(&self.regions[region]);
         let planar = self.has_plane(&own);
         let takes = if planar {
