@@ -86,6 +86,7 @@ impl GreyImage {
         let mut bytes = Vec::new();
         let [width, height] = [self.columns, self.rows].map(|n| u32::try_from(n).expect("a side is too long"));
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_compression(png::Compression::Fast);
         encoder.set_color(png::ColorType::Grayscale);
         encoder.set_depth(if self.max_value < 256 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
         let mut writer = encoder.write_header().expect("a PNG header in memory");
