@@ -143,6 +143,16 @@ name = folder / "pypcd4_list.pcd"
 PointCloud.from_xyz_points(flat).save(name)
 refused(name, "without rows and columns")
 
+# points without a return left out, each with its ring, as drivers of spinning lidars have them
+ring_points = lidar() * room(lidar())[..., None]
+rings = np.broadcast_to(np.arange(ROWS)[::-1, None], ring_points.shape[:2])
+seen = ~np.isnan(ring_points[..., 0])
+listed = np.column_stack([ring_points[seen], rings[seen]]).astype(np.float32)
+name = folder / "pypcd4_rings.pcd"
+PointCloud.from_points(listed, ("x", "y", "z", "ring"), (np.float32, np.float32, np.float32, np.uint16)).save(name)
+np.save(folder / "rings.npy", ring_points)
+same(name, segment(folder / "rings.npy")[0])
+
 import pye57
 
 lidar_directions = lidar()

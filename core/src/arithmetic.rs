@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn cosines_and_sines_of_all_turns() {
-        for i in -1_000_000..1_000_000 {
+        for i in (-1_000_000..1_000_000).step_by(if cfg!(miri) { 9_973 } else { 1 }) {
             for step in [1e-6f32, 0.006_299] {
                 let x = step * i as f32;
                 let (cos, sin) = cos_sin(x);

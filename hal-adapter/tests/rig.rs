@@ -194,6 +194,7 @@ fn calls<S: RigSink + ?Sized>(sink: &mut S) {
 /// The rig's own sink between the segmenter and the user's, and references to sinks, forward every
 /// call.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn no_call_is_lost() {
     let mut direct = Calls::default();
     calls(&mut direct);

@@ -2,7 +2,7 @@
 //! paper's experiment, and the pictures that the `scanseg` command writes.
 //!
 //! Modules use each other in one direction: the `scanseg` command, [`experiment`], [`overview`],
-//! [`export`] and [`picture`], [`segmentation`]. Files are read and written by [`scanseg_formats`]; the simulated
+//! [`view`], [`export`] and [`picture`], [`segmentation`]. Files are read and written by [`scanseg_formats`]; the simulated
 //! scanner is `scanseg_virtual_rig`.
 
 pub mod experiment;
@@ -13,3 +13,4 @@ pub mod overview;
 pub mod picture;
 pub mod segmentation;
 pub mod timing;
+pub mod view;

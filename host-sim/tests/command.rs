@@ -619,3 +619,33 @@ fn units_that_leave_no_return_are_said() {
         }
     }
 }
+
+/// The page has all in it, whatever its scan is called; nothing else differs.
+#[test]
+#[cfg(target_os = "linux")]
+fn open_writes_a_page_that_needs_no_other_file() {
+    let folder = folder("open");
+    small_scan(&folder);
+    fs::rename(folder.join("scan.pgm"), folder.join("<script>.pgm")).unwrap();
+    let arguments = ["segment", "<script>.pgm", "--geometry", "geometry.toml", "--out", "out", "--open"];
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_scanseg"));
+    // no program opens it
+    let run = command.current_dir(&folder).env("PATH", "").args(arguments).output().unwrap();
+    assert!(run.status.success(), "{run:?}");
+    let told = String::from_utf8(run.stdout).unwrap();
+    let path = folder.join("out/view.html");
+    assert!(told.ends_with(&format!("look at {}\n", path.display())), "{told}");
+    assert_eq!(fs::read_dir(folder.join("out")).unwrap().count(), FILES.len() + 1);
+    let page = fs::read_to_string(path).unwrap();
+    assert!(
+        !page.contains("{{")
+            || !["style", "viewer", "data"].iter().any(|part| page.contains(&format!("{{{{{part}}}}}")))
+    );
+    assert!(!page.contains("<script>.pgm") && page.contains("\\u003cscript>.pgm"));
+    for outside in ["src=\"", "href=\"http", "@import", "url("] {
+        let own = page.split("<script>").next().unwrap();
+        assert!(!own.contains(outside), "{outside}");
+    }
+    let listed = json(folder.join("out/segments.json"))["segments"].as_array().unwrap().len();
+    assert_eq!(page.matches("\"covariance\":").count(), listed);
+}

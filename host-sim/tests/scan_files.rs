@@ -55,6 +55,22 @@ fn a_cloud_has_the_labels_of_its_range_image() {
 }
 
 #[test]
+fn all_frames_have_folders_of_their_own() {
+    let Some(data) = recorded("ouster-os1") else { return };
+    let folder = folder("all-frames");
+    let capture = data.join("OS-1-128_v2.3.0_1024x10_lb_n3.pcap");
+    // the noise that is stated of it warns
+    let output = scanseg(&folder, &format!("segment {} --all-frames --out out", capture.display()));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success());
+    let list = |frame: &str| fs::read_to_string(folder.join("out").join(frame).join("segments.csv")).unwrap();
+    let lists = ["frame-0", "frame-1", "frame-2"].map(list);
+    assert!(lists[0] != lists[1] && lists[1] != lists[2] && fs::read_dir(folder.join("out")).unwrap().count() == 3);
+    assert!(said.contains("out/frame-2\n"), "{said}");
+    fails(&folder, &format!("segment {} --all-frames --frame 1 --out out", capture.display()), &["--all-frames"]);
+}
+
+#[test]
 fn a_table_is_one_segment() {
     let Some(data) = recorded("../cases/15-organised-cloud") else { return };
     let folder = folder("table");
@@ -73,10 +89,20 @@ fn a_table_is_one_segment() {
 fn a_cloud_without_rows_is_refused_and_says_what_to_do() {
     let Some(data) = recorded("velodyne") else { return };
     let folder = folder("velodyne-list");
-    for name in ["vlp16_1673400472138016708.pcd", "vlp32_1713492677464078412.pcd"] {
-        let arguments = format!("segment {} --out out", data.join(name).display());
-        fails(&folder, &arguments, &["points without rows and columns: its HEIGHT is 1", "HEIGHT above 1"]);
-    }
+    let list = data.join("vlp32_1713492677464078412.pcd");
+    let arguments = format!("segment {} --out out", list.display());
+    fails(&folder, &arguments, &["points without rows and columns: its HEIGHT is 1", "HEIGHT above 1"]);
+}
+
+/// The points of another program, which tells the channel of each and leaves out what has no return.
+#[test]
+fn a_list_of_points_with_their_ring_has_rows() {
+    let Some(data) = recorded("velodyne") else { return };
+    let scan = read(&data.join("vlp16_1673400472138016708.pcd"), None);
+    // 360 / 0.199; one ring sees nothing, and 1298 points lie within 0.02 degrees of another of their ring
+    assert_eq!(scan.image.rows, 15);
+    assert!((1800..=1815).contains(&scan.image.columns), "{}", scan.image.columns);
+    assert!(scan.measured > 14_831 - 1298 - 150, "{}", scan.measured);
 }
 
 #[test]

@@ -141,6 +141,23 @@ fn an_angle_below_all_digits() {
     assert!(!assert_same(&scan, &config), "no doubt");
 }
 
+/// The ends of a line a fraction of a millimetre from the scanner, far off the plane of the wall beside it: how much of their
+/// range's noise shows depends on where exactly they are seen.
+#[test]
+fn ends_beside_the_scanner() {
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.675, step_rad: 0.05 }, axis: TurnAxis::Y };
+    let turn_rad = (0..28).map(|row| 0.05 * row as f32 - 0.675).collect();
+    let mut scan = Scan::of(28, turn_rad, rig, |beam| 1.0 / beam[0]);
+    scan.range_m[27 * 28 + 13..][..2].fill(1.8e-4);
+    for range_noise_m in [0.28, 0.4] {
+        let ranging = Ranging::new(range_noise_m).with_limits(1e-4, 100.0);
+        assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(ranging)), "in doubt at {range_noise_m}");
+    }
+    scan.range_m[27 * 28 + 13..][..2].fill(1e-40);
+    let nearest = Ranging::new(0.28).with_limits(f32::MIN_POSITIVE / 1e6, 100.0);
+    assert!(!assert_same(&scan, &RegionConfig::paper().with_ranging(nearest)), "no doubt");
+}
+
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live
 /// labels. Each row is a zigzag whose corners are at every second pixel, and no two lines are in
 /// one plane.

@@ -277,13 +277,18 @@ fn by_image(session: &Session, rows: &[Vec<f32>], room: usize) -> (Status, Vec<u
 fn an_image_is_its_rows() {
     let mut joined = 0;
     for (approach, noise, max_labels) in APPROACHES.into_iter().flat_map(|a| [(a, 0.02, 0), (a, 3.0, 0), (a, 0.5, 9)]) {
+        if cfg!(miri) && max_labels != 9 {
+            continue;
+        }
         let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();
         let config = Config { max_labels, ..nodding(approach) };
         let (labels, segments) = by_rows(&config, &rows);
         let mut session = Session::new(&config);
         assert_eq!(session.push(&rows[0], 0.0), SCANSEG_OK); // to be dropped
         let most = segments.len();
-        for room in [most + 9, most, most.saturating_sub(1), most / 2, 1, 0] {
+        for room in
+            [most + 9, most, most.saturating_sub(1), most / 2, 1, 0].into_iter().take(if cfg!(miri) { 1 } else { 6 })
+        {
             let (status, found, events, lost) = by_image(&session, &rows, room);
             assert_eq!(status, if lost > 0 { SCANSEG_EVENTS_FULL } else { SCANSEG_OK });
             assert_eq!(found, labels, "approach {approach}, noise {noise}, room {room}");
@@ -297,7 +302,7 @@ fn an_image_is_its_rows() {
         }
         joined += segments.len();
     }
-    assert!(joined > 20);
+    assert!(joined > 20 || cfg!(miri));
 }
 
 /// `SCANSEG_MAX_EVENTS` is 2 * columns + 4: the array of a session. Each event of a call is the end

@@ -9,6 +9,7 @@ use crate::{EVERY_HUNDREDTH, MOST, VIEW, feed, memory, wires};
 
 /// A line that is cut for some time: the clock tells how many turns are missing.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn turns_are_missed() {
     let mut ld06 = VirtualLd06::new(Model::Ld06, 10.0, |_, _| 1000);
     let packets: Vec<(u64, Vec<u8>)> = (0..1000).map(|_| ld06.next_packet()).map(|(us, p)| (us, p.to_vec())).collect();
@@ -102,6 +103,7 @@ fn damaged<S: LineScanner>(
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn every_whole_packet_of_an_ld06_is_used() {
     for model in [Model::Ld06, Model::Stl27l] {
         let mut seed = 1u32;
@@ -128,6 +130,7 @@ fn every_whole_packet_of_an_ld06_is_used() {
 
 /// The range of each beam is the number of its packet.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn every_whole_packet_of_an_rplidar_is_used() {
     for format in [Format::Node, Format::Express, Format::Dense] {
         let count = if format == Format::Node { 15_000 } else { 3000 };

@@ -77,6 +77,7 @@ fn recorded(file: &str) -> Option<Vec<u8>> {
 
 /// The ranges of the recorded packets, read by their places in the file.
 #[test]
+#[cfg_attr(miri, ignore = "reads a file")]
 fn recorded_ld06() {
     let Some(bytes) = recorded("ld06_example3.bin") else { return };
     let mut scanner = Ld06::new(Model::Ld06, View::FULL, memory(MOST));
@@ -101,6 +102,7 @@ fn recorded_ld06() {
 
 /// A piece of nonsense that passes its CRC, but not what it says.
 #[test]
+#[cfg_attr(miri, ignore = "reads a file")]
 fn nonsense_ld06() {
     let Some(bytes) = recorded("ld06_bad_data.bin") else { return };
     let mut scanner = Ld06::new(Model::Ld06, View::FULL, memory(MOST));
@@ -127,6 +129,7 @@ fn manual_ld06() {
 
 /// What is fed in one piece or in many is the same.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn pieces_do_not_matter() {
     let mut ld06 = VirtualLd06::new(Model::Ld06, 10.0, |bearing_deg, _| 1000 + bearing_deg as u16);
     let mut wires = wires(EVERY_HUNDREDTH);
@@ -170,6 +173,7 @@ fn check_room(row: &Kept, off_rad: f64) {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn rows_are_cut_to_the_view() {
     for (model, turns_per_s) in [(Model::Ld06, 10.0), (Model::Ld06, 6.1), (Model::Stl27l, 10.0)] {
         let mut virtual_scanner = VirtualLd06::new(model, turns_per_s, |bearing_deg, _| room_mm(bearing_deg) as u16);
@@ -200,6 +204,7 @@ fn rows_are_cut_to_the_view() {
 
 /// Beams in one column, columns without a beam, beams beside the columns.
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn rows_become_columns() {
     let bytes: Vec<u8> = {
         let mut scanner = VirtualLd06::new(Model::Ld06, 10.0, |bearing_deg, _| room_mm(bearing_deg) as u16);
@@ -246,6 +251,7 @@ fn rplidar(format: Format, count: usize, wires: &mut Wires) -> (Vec<u8>, Vec<Vec
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "slow")]
 fn rplidar_rows() {
     for (format, packets, off_rad) in
         [(Format::Node, 3000, 0.0003), (Format::Express, 200, 0.0025), (Format::Dense, 800, 0.0004)]

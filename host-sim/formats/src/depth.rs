@@ -1,12 +1,9 @@
 //! Range images and depth images: a distance for each pixel, beside what says where it looks.
 
-use std::path::Path;
-
 use crate::camera::{Camera, is_camera};
 use crate::cloud::Cloud;
-use crate::file::{Cause, FileError, read_at_most};
+use crate::file::{Cause, FileError};
 use crate::geometry::Geometry;
-use crate::geometry_toml;
 use crate::grey_image::GreyImage;
 use crate::npy::{self, Array};
 use crate::range_image::RangeImage;
@@ -42,7 +39,7 @@ fn scan<I: Iterator<Item = f64>>(
     options: &ReadOptions,
 ) -> Result<Scan, Cause> {
     let mut remarks = vec![];
-    let text = options.geometry.as_ref().map(|path| Ok::<_, FileError>((path, text(path)?))).transpose()?;
+    let text = options.geometry_text()?;
     let mut geometry = match &text {
         Some((path, text)) if !is_camera(text) => {
             let geometry = Geometry::parse(text).map_err(|e| FileError::new(path, e))?;
@@ -75,9 +72,4 @@ fn scan<I: Iterator<Item = f64>>(
     })?;
     let measured = distances().filter(returned).count();
     Ok(Scan { name, image, geometry, measured, remarks })
-}
-
-fn text(path: &Path) -> Result<String, FileError> {
-    let bytes = read_at_most(path, geometry_toml::MAX_FILE_BYTES).map_err(|e| FileError::new(path, e))?;
-    String::from_utf8(bytes).map_err(|e| FileError::new(path, e.utf8_error()))
 }

@@ -17,7 +17,7 @@ mod noise;
 mod npy;
 pub mod range_image;
 #[cfg(feature = "ros")]
-mod ros;
+pub mod ros;
 pub mod scan;
 mod scan_error;
 mod scan_file;
@@ -28,6 +28,7 @@ mod write;
 pub use angles::Angles;
 pub use beside::Beside;
 pub use capture::{Capture, CaptureError};
+pub use cloud::axes::Axes;
 pub use file::{FileError, read_at_most};
 pub use geometry::{Depth, Geometry, Kind, TurnAxis};
 pub use geometry_error::GeometryError;

@@ -34,27 +34,17 @@ impl RangeImage {
 
     /// Ranges of distances in units of the geometry, row by row, one per pixel. The rules are those of
     /// [`RangeImage::from_grey`]. What is not above 0 or not finite is no return.
-    pub(crate) fn from_distances(
+    ///
+    /// # Errors
+    /// If the geometry does not fit the image, see [`Geometry::fits`].
+    pub fn from_distances(
         rows: usize,
         columns: usize,
         distances: impl Iterator<Item = f64>,
         geometry: &Geometry,
     ) -> Result<RangeImage, GeometryError> {
         geometry.fits(rows, columns)?;
-        // As f32 on both sides, so that a count exactly at a limit is within it whatever f64 makes
-        // of count * unit.
-        let min_m = geometry.min_range_m.unwrap_or(0.0) as f32;
-        let max_m = geometry.max_range_m.map_or(f32::MAX, |m| m as f32);
-        let range_m = (0..).zip(distances).map(|(i, distance)| {
-            let stored_m = distance * geometry.unit_m;
-            // a distance that is not a number is not above 0
-            let measured = distance > 0.0;
-            if !measured || !(min_m..=max_m).contains(&(stored_m as f32)) {
-                return 0.0;
-            }
-            let range_m = (stored_m * ranges_per_stored(geometry, i / columns, i % columns)) as f32;
-            if range_m.is_finite() { range_m } else { 0.0 }
-        });
+        let range_m = (0..).zip(distances).map(|(i, distance)| geometry.range_m(i / columns, i % columns, distance));
         Ok(RangeImage { rows, columns, range_m: range_m.collect() })
     }
 
@@ -88,6 +78,26 @@ impl RangeImage {
         };
         let values = (0..).zip(&self.range_m).map(count).collect::<Result<_, _>>()?;
         Ok(GreyImage { rows: self.rows, columns: self.columns, max_value: 65535, values })
+    }
+}
+
+impl Geometry {
+    /// Returns the range along the beam of a pixel, metres, of a distance in units of the geometry; 0
+    /// where it is no return: not above 0, not finite, or outside of the limits. Listed angles must
+    /// have an entry for the pixel, see [`Geometry::fits`].
+    pub fn range_m(&self, row: usize, column: usize, distance: f64) -> f32 {
+        // As f32 on both sides, so that a count exactly at a limit is within it whatever f64 makes
+        // of count * unit.
+        let min_m = self.min_range_m.unwrap_or(0.0) as f32;
+        let max_m = self.max_range_m.map_or(f32::MAX, |m| m as f32);
+        let stored_m = distance * self.unit_m;
+        // a distance that is not a number is not above 0
+        let measured = distance > 0.0;
+        if !measured || !(min_m..=max_m).contains(&(stored_m as f32)) {
+            return 0.0;
+        }
+        let range_m = (stored_m * ranges_per_stored(self, row, column)) as f32;
+        if range_m.is_finite() { range_m } else { 0.0 }
     }
 }
 

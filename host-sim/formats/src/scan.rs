@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::file::Cause;
+use crate::file::{Cause, FileError, read_at_most};
 use crate::geometry::Geometry;
+use crate::geometry_toml;
 use crate::range_image::RangeImage;
 use crate::scan_error::ScanError;
 
@@ -31,12 +32,35 @@ pub struct ReadOptions {
     /// A geometry file, or the intrinsics of a camera. Grey images need one, or the focal length;
     /// of scans that bring their beams along it tells the limits and the errors.
     pub geometry: Option<PathBuf>,
+    /// The text of that file where it is not to be read from a disk; `geometry` is its name in messages.
+    pub geometry_text: Option<String>,
     /// Metres of one count or of one unit of the coordinates, in place of what the file says.
     pub unit_m: Option<f64>,
     /// The camera of a depth image.
     pub camera: CameraOptions,
     /// The topic of a recording, where several would do.
     pub topic: Option<String>,
+}
+
+impl ReadOptions {
+    /// Returns the geometry file, if one is given.
+    pub(crate) fn geometry(&self) -> Result<Option<Geometry>, FileError> {
+        match (&self.geometry, &self.geometry_text) {
+            (Some(path), Some(text)) => Geometry::parse(text).map(Some).map_err(|e| FileError::new(path, e)),
+            (Some(path), None) => Geometry::read(path).map(Some),
+            (None, _) => Ok(None),
+        }
+    }
+
+    /// Returns name and text of the geometry file, if one is given.
+    pub(crate) fn geometry_text(&self) -> Result<Option<(&Path, String)>, FileError> {
+        let Some(path) = self.geometry.as_deref() else { return Ok(None) };
+        if let Some(text) = &self.geometry_text {
+            return Ok(Some((path, text.clone())));
+        }
+        let bytes = read_at_most(path, geometry_toml::MAX_FILE_BYTES).map_err(|e| FileError::new(path, e))?;
+        String::from_utf8(bytes).map(|text| Some((path, text))).map_err(|e| FileError::new(path, e.utf8_error()))
+    }
 }
 
 /// A camera by its numbers, pixels. `fx_px` alone makes square pixels and an axis in the middle of
@@ -54,7 +78,7 @@ pub struct CameraOptions {
 }
 
 /// The scans of a file. Each format makes its own.
-pub(crate) trait Frames {
+pub(crate) trait Frames: Send {
     /// Returns how many there are, one or more.
     fn count(&self) -> usize;
 
@@ -73,22 +97,26 @@ impl Frames for Scan {
     }
 }
 
-/// A file that is open, from its start on.
+/// The bytes of a file, from its start on.
 pub(crate) struct Source<'a> {
     /// Its path.
     pub path: &'a Path,
     /// Its first bytes, up to 4096.
     pub head: Vec<u8>,
-    rest: File,
+    rest: Box<dyn Read + 'a>,
 }
 
 impl<'a> Source<'a> {
     /// Opens a file and reads its head.
     pub fn open(path: &'a Path) -> io::Result<Source<'a>> {
-        let mut rest = File::open(path)?;
+        Source::of(path, File::open(path)?)
+    }
+
+    /// Reads the head of what is to be called `path`.
+    pub fn of(path: &'a Path, mut rest: impl Read + 'a) -> io::Result<Source<'a>> {
         let mut head = Vec::new();
         (&mut rest).take(4096).read_to_end(&mut head)?;
-        Ok(Source { path, head, rest })
+        Ok(Source { path, head, rest: Box::new(rest) })
     }
 
     /// What messages call a scan of it.
@@ -97,7 +125,7 @@ impl<'a> Source<'a> {
     }
 
     /// Returns what reads it.
-    pub fn read(self) -> impl Read {
+    pub fn read(self) -> impl Read + 'a {
         io::Cursor::new(self.head).chain(self.rest)
     }
 

@@ -87,6 +87,21 @@ impl ScanFile {
         Ok(ScanFile { path: path.into(), frames })
     }
 
+    /// Looks at the bytes of a file that is not on a disk. `name` is for messages.
+    ///
+    /// # Errors
+    /// As [`ScanFile::open`]. Captures and recordings are refused: they are read from a disk alone.
+    pub fn of_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<ScanFile, FileError> {
+        let path = Path::new(name);
+        let read = || -> Result<Box<dyn Frames>, Cause> {
+            let source = Source::of(path, bytes)?;
+            let format = Format::of(&source.head).ok_or(ScanError::Unknown)?;
+            let lacks = || ScanError::lacks("a capture or a recording", "its file on a disk").into();
+            of_source(source, format, options)?.ok_or_else(lacks)
+        };
+        Ok(ScanFile { path: path.into(), frames: read().map_err(|cause| FileError::of(path, cause))? })
+    }
+
     /// Returns how many scans it has, one or more.
     pub fn frames(&self) -> usize {
         self.frames.count()
@@ -112,24 +127,30 @@ fn frames_of(path: &Path, options: &ReadOptions) -> Result<Box<dyn Frames>, Caus
         return frames_of(&recording, options);
     }
     let source = Source::open(path)?;
-    let name = source.name();
     let format = Format::of(&source.head).ok_or(ScanError::Unknown)?;
     Ok(match format {
-        Format::Grey => Box::new(depth::grey(name, &GreyImage::read_from(source.read())?, options)?),
-        Format::Npy => Box::new(depth::npy(name, &source.bytes(MAX_CLOUD_BYTES)?, options)?),
-        Format::Pcd => Box::new(pcd::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
-        Format::Ply => Box::new(ply::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
         Format::Packets => Box::new(pcap::frames(path, options)?),
+        Format::Ld06 => Box::new(ld06::scan(source.name(), &source.bytes(ld06::MAX_BYTES)?, options)?),
         #[cfg(feature = "ros")]
         Format::Mcap => Box::new(ros::frames_of_mcap(path, options)?),
         #[cfg(feature = "ros")]
         Format::Db3 => Box::new(ros::frames_of_db3(path, options)?),
-        #[cfg(not(feature = "ros"))]
-        Format::Mcap | Format::Db3 => {
+        _ => of_source(source, format, options)?.ok_or_else(|| {
             let what = "the feature ros of this build: cargo build --release --features ros (or db3)";
-            return Err(ScanError::lacks("a recording of ROS 2", what).into());
-        }
-        Format::Ld06 => Box::new(ld06::scan(name, &source.bytes(ld06::MAX_BYTES)?, options)?),
-        Format::E57 => Box::new(E57File::open(name, source.bytes(MAX_CLOUD_BYTES)?, options)?),
+            ScanError::lacks("a recording of ROS 2", what)
+        })?,
     })
+}
+
+/// Returns the scans of an image or a cloud; none of captures and recordings.
+fn of_source(source: Source<'_>, format: Format, options: &ReadOptions) -> Result<Option<Box<dyn Frames>>, Cause> {
+    let name = source.name();
+    Ok(Some(match format {
+        Format::Grey => Box::new(depth::grey(name, &GreyImage::read_from(source.read())?, options)?),
+        Format::Npy => Box::new(depth::npy(name, &source.bytes(MAX_CLOUD_BYTES)?, options)?),
+        Format::Pcd => Box::new(pcd::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
+        Format::Ply => Box::new(ply::read(&source.bytes(MAX_CLOUD_BYTES)?)?.into_scan(name, options)?),
+        Format::E57 => Box::new(E57File::open(name, source.bytes(MAX_CLOUD_BYTES)?, options)?),
+        Format::Packets | Format::Ld06 | Format::Mcap | Format::Db3 => return Ok(None),
+    }))
 }

@@ -7,7 +7,7 @@ use crate::scan::{Frames, ReadOptions, Scan};
 use crate::scan_error::ScanError;
 
 /// The scans of a file one after the other.
-pub(crate) trait Stream {
+pub(crate) trait Stream: Send {
     /// Goes on to the next scan. Returns whether there is one.
     fn advance(&mut self) -> Result<bool, Cause>;
 
@@ -16,7 +16,7 @@ pub(crate) trait Stream {
 }
 
 /// Opens the file at its start.
-type Open = Box<dyn Fn() -> Result<Box<dyn Stream>, Cause>>;
+type Open = Box<dyn Fn() -> Result<Box<dyn Stream>, Cause> + Send>;
 
 /// The scans by number. To read an earlier one it begins at the start again.
 pub(crate) struct Streamed {
@@ -73,8 +73,7 @@ pub(crate) fn scan_of(
     options: &ReadOptions,
     remarks: Vec<String>,
 ) -> Result<Scan, Cause> {
-    if let Some(path) = &options.geometry {
-        let given = Geometry::read(path)?;
+    if let Some(given) = options.geometry()? {
         geometry = Geometry { kind: geometry.kind, beside: geometry.beside, unit_m: geometry.unit_m, ..given };
         geometry.no_return = vec![];
     }

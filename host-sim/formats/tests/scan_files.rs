@@ -315,3 +315,33 @@ fn an_e57_with_indices_is_read_and_one_without_refused() {
         assert_eq!(refused("short.e57", &bytes[..length]).lines().count(), 1);
     }
 }
+
+/// As from a disk; what names other files, or is read piece by piece, is refused.
+#[test]
+fn bytes_of_images_and_clouds_need_no_disk() {
+    let png = scanseg_formats::GreyImage { rows: 2, columns: 2, max_value: 65535, values: vec![5000, 0, 10_000, 5000] };
+    let toml = "version = 1\nunit_m = 0.001\nkind = \"pinhole\"\ndepth = \"range\"\nfx = 10\nfy = 10\ncx = 0\ncy = 0\n";
+    let yaml = "Camera.fx: 10.0\nCamera.fy: 10.0\nDepthMapFactor: 1000.0\n";
+    let read = |bytes: &[u8], text: Option<&str>| {
+        let geometry = text.map(|_| "beside.txt".into());
+        let options = ReadOptions { geometry, geometry_text: text.map(Into::into), ..ReadOptions::default() };
+        scanseg_formats::ScanFile::of_bytes("dropped", bytes, &options)
+            .and_then(|mut file| file.frame(0))
+            .map_err(|e| e.to_string())
+    };
+    for text in [toml, yaml] {
+        let scan = read(&png.to_png(), Some(text)).unwrap();
+        assert_eq!((scan.name.as_str(), scan.image.range_m[0] > 4.99, scan.measured), ("dropped", true, 3));
+    }
+    let said = read(&png.to_png(), Some("version = 2\n")).unwrap_err();
+    assert!(said.starts_with("beside.txt: "), "{said}");
+    let cloud =
+        b"ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_rows 1\nelement vertex 2\nproperty float x\n\
+        property float y\nproperty float z\nend_header\n2 0 0\n2 1 0\n";
+    assert_eq!(read(cloud, None).map(|scan| scan.measured), Ok(2));
+    // the limits of a geometry that is not on a disk hold for clouds too
+    let near = read(cloud, Some(&format!("max_range_m = 2.1\n{toml}"))).unwrap();
+    assert_eq!(near.image.range_m, [2.0, 0.0]);
+    let mcap = b"\x89MCAP0\r\n";
+    assert_eq!(read(mcap, None).unwrap_err(), "dropped: a capture or a recording without its file on a disk");
+}

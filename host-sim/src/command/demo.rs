@@ -53,5 +53,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     files.push(("geometry.toml".to_string(), input.geometry.to_toml().into_bytes()));
     files.push(("truth.png".to_string(), truth.to_png()));
     write(&arguments.out, &files)?;
-    print(&format!("{summary}look at {}\n", arguments.out.join("overview.png").display()))
+    print(&format!("{summary}look at {}\n", arguments.out.join("overview.png").display()))?;
+    arguments.lists.open(&arguments.out)
 }

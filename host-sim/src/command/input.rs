@@ -7,6 +7,7 @@ use scanseg_core::Ranging;
 use scanseg_formats::{
     CameraOptions, FileError, Geometry, GeometryError, RangeImage, ReadOptions, Scan, ScanError, ScanFile,
 };
+use scanseg_sim::segmentation::within_limits;
 
 use crate::command::output::Failure;
 
@@ -57,13 +58,43 @@ pub struct ScanArguments {
     frame: Option<usize>,
 }
 
+/// What a file of several scans has.
+pub struct Inputs {
+    file: ScanFile,
+    next: usize,
+}
+
+impl Iterator for Inputs {
+    /// The number of a scan, and the scan.
+    type Item = Result<(usize, Input), Failure>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let n = self.next;
+        self.next += 1;
+        let file = &mut self.file;
+        (n < file.frames()).then(|| Ok((n, file.frame(n).map_err(failure)?.into())))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = self.file.frames().saturating_sub(self.next);
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Inputs {}
+
 impl ScanArguments {
     /// Opens the file.
     pub fn open(&self) -> Result<ScanFile, Failure> {
         let camera = CameraOptions { fx_px: self.fx, fy_px: self.fy, cx_px: self.cx, cy_px: self.cy };
         let (geometry, topic) = (self.geometry.clone(), self.topic.clone());
-        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic };
+        let options = ReadOptions { geometry, unit_m: self.unit_m, camera, topic, ..ReadOptions::default() };
         ScanFile::open(&self.scan, &options).map_err(failure)
+    }
+
+    /// Reads all scans one after the other, each when it is asked for.
+    pub fn all(&self) -> Result<Inputs, Failure> {
+        Ok(Inputs { file: self.open()?, next: 0 })
     }
 
     /// Reads the scan that is asked for, or the first.
@@ -75,7 +106,7 @@ impl ScanArguments {
         }
         let mut input = Input::from(file.frame(n).map_err(failure)?);
         if count > 1 && self.frame.is_none() {
-            input.remarks.push(format!("frame 0 of {count}: --frame N is another one"));
+            input.remarks.push(format!("frame 0 of {count}: --frame N is another one, --all-frames all"));
         }
         Ok(input)
     }
@@ -118,10 +149,7 @@ impl Input {
 
     /// Returns the ranges without what lies outside of the limits.
     pub fn returns(&self, ranging: &Ranging) -> RangeImage {
-        let limits = ranging.min_range_m..=ranging.max_range_m;
-        let RangeImage { rows, columns, range_m } = &self.ranges;
-        let range_m = range_m.iter().map(|range_m| if limits.contains(range_m) { *range_m } else { 0.0 });
-        RangeImage { rows: *rows, columns: *columns, range_m: range_m.collect() }
+        within_limits(&self.ranges, ranging)
     }
 
     /// Returns a line for each remark.

@@ -12,11 +12,14 @@ mod live;
 mod messages;
 mod noise;
 mod office;
+mod opened;
 mod options;
 mod output;
 mod planes;
 mod replay;
 mod rig;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod say;
 mod scene_set;
 mod segment;
@@ -54,6 +57,8 @@ enum Command {
     Replay(replay::Arguments),
     Listen(listen::Arguments),
     Live(live::Arguments),
+    #[cfg(feature = "ros2")]
+    Ros2(ros2::Arguments),
 }
 
 /// Runs the command line. Exit code 0, or 2 with one line on stderr. A reader of stdout that has gone
@@ -92,6 +97,8 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Listen(arguments) => listen::run(&arguments),
         Command::Live(arguments) => live::run(&arguments),
+        #[cfg(feature = "ros2")]
+        Command::Ros2(arguments) => ros2::run(&arguments),
     }
 }
 

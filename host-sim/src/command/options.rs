@@ -1,18 +1,13 @@
 //! The options that every segmenting subcommand takes: the configuration, value by value.
 
 use clap::{Args, ValueEnum};
-use scanseg_core::{
-    AnyConfig, Approach, ConfigError, EdgeConfig, Element, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig, Trace,
-};
-use scanseg_formats::{Depth, Geometry, Kind, Noise, SENSORS, Sensor};
-use scanseg_sim::segmentation::{self, SegmentationError, stated_noise_m};
+use scanseg_core::{AnyConfig, Approach, ConfigError, EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};
+use scanseg_formats::{Geometry, SENSORS, Sensor};
+use scanseg_sim::segmentation::{self, SegmentationError};
 use serde::Serialize;
 
 use crate::command::input::with_page;
 use crate::command::output::Failure;
-
-/// Edges and regions take the noise that is stated of this range for that of all.
-const USUAL_RANGE_M: f32 = 3.0;
 
 #[derive(Args)]
 pub struct Options {
@@ -107,44 +102,25 @@ impl Options {
         })
     }
 
-    /// Returns the errors that are stated of the scanner: the constant noise of its ranges, 0 for
-    /// none, and the others.
-    fn errors(&self, geometry: &Geometry) -> (f64, Noise) {
-        let (range_noise_m, noise) = match &self.sensor {
-            Some(sensor) => (Some(sensor.range_noise_m()), sensor.noise()),
-            None => (geometry.range_noise_m, geometry.noise),
-        };
-        (self.range_noise_m.or(range_noise_m).unwrap_or(0.0), noise)
+    /// Returns the geometry with the errors that the options state in place of its own.
+    fn stated(&self, geometry: &Geometry) -> Geometry {
+        let mut stated = geometry.clone();
+        if let Some(sensor) = &self.sensor {
+            (stated.range_noise_m, stated.noise) = (Some(sensor.range_noise_m()), sensor.noise());
+        }
+        stated.range_noise_m = self.range_noise_m.or(stated.range_noise_m);
+        stated
     }
 
     /// Returns whether anything is stated of the noise of the ranges.
     pub fn states_noise(&self, geometry: &Geometry) -> bool {
-        let (range_noise_m, noise) = self.errors(geometry);
-        let Noise { range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2, .. } = noise;
-        [range_noise_m, range_noise_per_m, range_noise_per_m2, range_step_m, range_step_per_m2].iter().any(|&x| x > 0.0)
+        segmentation::states_noise(&self.stated(geometry))
     }
 
     fn ranging(&self, geometry: &Geometry, approach: Approach) -> Ranging {
-        let preset = EdgeConfig::paper().ranging;
-        // The range image already lacks what is outside of the geometry's limits, which for depths
-        // along a camera's axis are no limits of the range.
-        let depths = matches!(geometry.kind, Kind::Pinhole { depth: Depth::Z, .. });
-        let no_minimum = |m: f64| if m > 0.0 { m as f32 } else { f32::MIN_POSITIVE };
-        let maximum = |m: f64| if depths { MAX_RANGE_M } else { MAX_RANGE_M.min(m as f32) };
-        let given = |option: Option<f64>, in_file: Option<f32>, preset: f32| {
-            option.map(|m| m as f32).or(in_file).unwrap_or(preset)
-        };
-        let (noise_m, noise) = self.errors(geometry);
-        let mut ranging = segmentation::ranging(noise_m as f32, &noise);
-        if approach != Approach::Plane {
-            // one number must do
-            let stated = self.states_noise(geometry);
-            ranging.range_noise_m = if stated { stated_noise_m(&ranging, USUAL_RANGE_M) } else { preset.range_noise_m };
-        }
-        ranging.with_limits(
-            given(self.min_range_m, geometry.min_range_m.map(no_minimum), preset.min_range_m),
-            given(self.max_range_m, geometry.max_range_m.map(maximum), preset.max_range_m),
-        )
+        let ranging = segmentation::ranging_of(&self.stated(geometry), approach);
+        let or = |option: Option<f64>, stated: f32| option.map_or(stated, |m| m as f32);
+        ranging.with_limits(or(self.min_range_m, ranging.min_range_m), or(self.max_range_m, ranging.max_range_m))
     }
 
     fn edge_config(&self, ranging: Ranging) -> EdgeConfig<'_> {

@@ -1,6 +1,6 @@
 //! `scanseg segment`: a range image in; labels, pictures, points, bearing angles and lists out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::ProgressBar;
@@ -8,11 +8,13 @@ use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::export::{Segmented, planarities_of, point_m, points};
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
+use scanseg_sim::view;
 
 use crate::command::exports::ExportOptions;
 use crate::command::input::{Input, ScanArguments};
 use crate::command::lists::{Entry, Header, Listing};
 use crate::command::noise;
+use crate::command::opened::open;
 use crate::command::options::{Configuration, Options, in_terms_of_options};
 use crate::command::output::{Failure, Files, bar, print, warn, write};
 use crate::command::shown::Shown;
@@ -20,6 +22,9 @@ use crate::command::{planes, warnings};
 
 /// From so many points on a bar shows the progress.
 const LONG_SCAN: usize = 1_000_000;
+
+/// The page with the segments in 3D.
+const VIEW: &str = "view.html";
 
 /// Segment a range image
 ///
@@ -31,6 +36,9 @@ const LONG_SCAN: usize = 1_000_000;
 pub struct Arguments {
     #[command(flatten)]
     scan: ScanArguments,
+    /// Of a file with several scans all of them, each into a folder of its own: DIR/frame-0, DIR/frame-1, ...
+    #[arg(long, conflicts_with_all = ["frame", "open"])]
+    all_frames: bool,
     /// Folder for the results; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -48,21 +56,47 @@ pub struct ListOptions {
     /// Smaller segments are left out of labels.png and of the lists
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     min_pixels: u32,
+    /// Also write view.html, a page with the segments in 3D that needs no other file, and open it
+    #[arg(long)]
+    open: bool,
 }
 
 impl ListOptions {
     /// Returns what is written where nothing more was asked for.
     pub fn usual(min_pixels: u32) -> ListOptions {
-        ListOptions { exports: ExportOptions::default(), min_pixels }
+        ListOptions { exports: ExportOptions::default(), min_pixels, open: false }
+    }
+
+    /// Opens the page in a folder of results, if that was asked for.
+    pub fn open(&self, folder: &Path) -> Result<(), Failure> {
+        if self.open { open(&folder.join(VIEW)) } else { Ok(()) }
     }
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let input = arguments.scan.read()?;
+    if !arguments.all_frames {
+        return segment_into(&arguments.out, &arguments.scan.read()?, arguments);
+    }
+    let inputs = arguments.scan.all()?;
+    let bar = bar(inputs.len());
+    for input in inputs {
+        let (n, input) = input?;
+        bar.suspend(|| segment_into(&arguments.out.join(format!("frame-{n}")), &input, arguments))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn segment_into(out: &Path, input: &Input, arguments: &Arguments) -> Result<(), Failure> {
     let config = arguments.options.config(&input.geometry)?;
-    let (files, summary) = segment(&input, config, &arguments.options, &arguments.lists)?;
-    write(&arguments.out, &files)?;
-    print(&summary)
+    let (files, summary) = segment(input, config, &arguments.options, &arguments.lists)?;
+    write(out, &files)?;
+    if arguments.all_frames {
+        return print(&format!("{}\n{summary}", out.display()));
+    }
+    print(&summary)?;
+    arguments.lists.open(out)
 }
 
 /// Segments a range image. Returns the files to write, and what to print. Warns of what looks
@@ -127,6 +161,9 @@ pub fn segment(
     let summary = format!("{remarks}{table}{weak}{noise}\nthe core took {ms:.1} ms, {per_point_ns:.0} ns per point\n");
     let mut files: Files = files.into_iter().map(|(name, bytes)| (name.to_string(), bytes)).collect();
     files.extend(lists.exports.files(&segmented)?);
+    if lists.open {
+        files.push((VIEW.to_string(), view::html(&input.name, &segmented)?.into_bytes()));
+    }
     Ok((files, summary))
 }
 

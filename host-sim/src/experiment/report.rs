@@ -49,6 +49,7 @@ pub fn markdown(results: &Results) -> String {
 /// Returns the page. It needs no other file but for its links to the data.
 pub fn page(results: &Results, figures: &[Figure]) -> String {
     let parts = [
+        ("{{style}}", include_str!("../style.css").to_string()),
         ("{{version}}", env!("CARGO_PKG_VERSION").to_string()),
         ("{{summary}}", summary(results)),
         ("{{what}}", what(results)),

@@ -9,14 +9,12 @@ use mcap::records::MessageHeader;
 use mcap::{WriteOptions, Writer};
 use serde::Serialize;
 
-use crate::export::outline::{Outline, outlines_of};
-use crate::export::points::{RECORD_BYTES, record};
-use crate::export::ros::{
-    ColorRgba, CompressedImage, Header, MARKER_ARRAY, Marker, MarkerArray, MeshFile, POINT_CLOUD2, Point, PointCloud2,
-    PointField, Pose, Quaternion, Time,
-};
+use scanseg_formats::Axes;
+
+use crate::export::messages::{cloud, marker};
+use crate::export::outline::outlines_of;
+use crate::export::ros::{Header, MARKER_ARRAY, MarkerArray, POINT_CLOUD2};
 use crate::export::segmented::Segmented;
-use crate::picture::label_colour;
 
 /// From a row to the next. The scan does not say how fast its scanner was.
 const ROW_NS: u64 = 20_000_000;
@@ -49,15 +47,15 @@ pub fn mcap(scan: &Segmented<'_>) -> Result<Vec<u8>, Failure> {
     (0..outlines.len()).for_each(|i| ended[(usize::from(scan.segments[i].last_row) + 1).min(rows)].push(i));
     for (row, ended) in ended.iter().enumerate() {
         if !ended.is_empty() {
-            let marker = |&i: &usize| Some(marker(i, outlines[i].as_ref()?, header(row)));
+            let marker = |&i: &usize| Some(marker(i, outlines[i].as_ref()?, header(row), Axes::Forward));
             let markers = ended.iter().filter_map(marker).collect();
             recording.write(planes, row, &MarkerArray { markers })?;
         }
         if row < rows {
-            recording.write(rows_topic, row, &cloud(scan, row..row + 1, header(row)))?;
+            recording.write(rows_topic, row, &cloud(scan, row..row + 1, header(row), Axes::Forward))?;
         }
     }
-    recording.write(points, rows, &cloud(scan, 0..rows, header(rows)))?;
+    recording.write(points, rows, &cloud(scan, 0..rows, header(rows), Axes::Forward))?;
     recording.writer.finish()?;
     Ok(recording.writer.into_inner().into_inner())
 }
@@ -84,59 +82,5 @@ fn time_ns(row: usize) -> u64 {
 }
 
 fn header(row: usize) -> Header {
-    let ns = time_ns(row);
-    let stamp = Time { sec: (ns / 1_000_000_000) as i32, nanosec: (ns % 1_000_000_000) as u32 };
-    Header { stamp, frame_id: FRAME }
-}
-
-fn cloud(scan: &Segmented<'_>, rows: std::ops::Range<usize>, header: Header) -> PointCloud2 {
-    const FLOAT32: u8 = 7;
-    const UINT32: u8 = 6;
-    let columns = scan.image.columns;
-    let kinds = [("x", FLOAT32), ("y", FLOAT32), ("z", FLOAT32), ("rgb", FLOAT32), ("label", UINT32)];
-    let field = |(offset, (name, datatype))| PointField { name, offset, datatype, count: 1 };
-    PointCloud2 {
-        header,
-        height: rows.len() as u32,
-        width: columns as u32,
-        fields: (0..).step_by(4).zip(kinds).map(field).collect(),
-        is_bigendian: false,
-        point_step: RECORD_BYTES as u32,
-        row_step: (RECORD_BYTES * columns) as u32,
-        data: (rows.start * columns..rows.end * columns).flat_map(|pixel| record(scan, pixel)).collect(),
-        is_dense: false,
-    }
-}
-
-/// Returns triangles from the first corner of an outline to each of its other sides.
-fn marker(segment: usize, outline: &Outline, header: Header) -> Marker {
-    const TRIANGLE_LIST: i32 = 11;
-    let label = segment as u32 + 1;
-    let [r, g, b] = label_colour(label).map(|value| f32::from(value) / 255.0);
-    let corners: Vec<Point> = outline.corners_m.iter().map(|&[x, y, z]| Point { x, y, z }).collect();
-    let none = Time { sec: 0, nanosec: 0 };
-    Marker {
-        header,
-        ns: "planes",
-        id: label as i32,
-        r#type: TRIANGLE_LIST,
-        action: 0,
-        pose: Pose {
-            position: Point { x: 0.0, y: 0.0, z: 0.0 },
-            orientation: Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
-        },
-        scale: Point { x: 1.0, y: 1.0, z: 1.0 },
-        color: ColorRgba { r, g, b, a: 0.5 },
-        lifetime: none,
-        frame_locked: false,
-        points: corners[1..].windows(2).flat_map(|side| [corners[0], side[0], side[1]]).collect(),
-        colors: vec![],
-        texture_resource: "",
-        texture: CompressedImage { header: Header { stamp: none, frame_id: "" }, format: "", data: vec![] },
-        uv_coordinates: vec![],
-        text: String::new(),
-        mesh_resource: "",
-        mesh_file: MeshFile { filename: "", data: vec![] },
-        mesh_use_embedded_materials: false,
-    }
+    Header::new(time_ns(row) as i64, FRAME)
 }

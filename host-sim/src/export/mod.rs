@@ -5,6 +5,8 @@
 mod convex;
 #[cfg(feature = "ros")]
 pub mod mcap;
+#[cfg(feature = "ros")]
+pub mod messages;
 mod outline;
 pub mod outlines;
 mod planarity;
@@ -15,4 +17,6 @@ mod segmented;
 
 pub use outline::{Outline, outlines_of};
 pub use planarity::{Planarity, Verdict, planarities_of};
+#[cfg(feature = "ros")]
+pub use ros::{Header, MarkerArray, PointCloud2};
 pub use segmented::{Segmented, point_m};

@@ -1,5 +1,7 @@
 //! The points of a scan with the colour and the label of their segment, organised.
 
+use scanseg_formats::Axes;
+
 use crate::export::segmented::Segmented;
 use crate::picture::label_colour;
 
@@ -14,18 +16,18 @@ pub fn pcd(scan: &Segmented<'_>) -> Vec<u8> {
         rows * columns
     )
     .into_bytes();
-    (0..rows * columns).for_each(|pixel| bytes.extend(record(scan, pixel)));
+    (0..rows * columns).for_each(|pixel| bytes.extend(record(scan, pixel, Axes::Forward)));
     bytes
 }
 
 /// Bytes of a point in [`record`].
 pub(super) const RECORD_BYTES: usize = 20;
 
-/// Returns x, y, z, rgb and label of a pixel, little end first.
-pub(super) fn record(scan: &Segmented<'_>, pixel: usize) -> [u8; RECORD_BYTES] {
+/// Returns x, y, z, rgb and label of a pixel, little end first, in these axes.
+pub(super) fn record(scan: &Segmented<'_>, pixel: usize, axes: Axes) -> [u8; RECORD_BYTES] {
     let label = scan.labels[pixel];
     let [red, green, blue] = label_colour(label);
-    let point = scan.point_m(pixel).map_or([f32::NAN; 3], |point| point.map(|x| x as f32));
+    let point = scan.point_m(pixel).map_or([f32::NAN; 3], |point| axes.back(point.map(|x| x as f32)));
     let words = [point[0].to_bits(), point[1].to_bits(), point[2].to_bits(), u32::from_be_bytes([0, red, green, blue])];
     let mut bytes = [0; RECORD_BYTES];
     for (to, word) in bytes.chunks_exact_mut(4).zip(words.into_iter().chain([label])) {

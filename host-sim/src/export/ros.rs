@@ -3,16 +3,25 @@
 
 use serde::Serialize;
 
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Default, Serialize)]
 pub struct Time {
     pub sec: i32,
     pub nanosec: u32,
 }
 
+/// `std_msgs/msg/Header`.
 #[derive(Clone, Serialize)]
 pub struct Header {
-    pub stamp: Time,
-    pub frame_id: &'static str,
+    pub(super) stamp: Time,
+    pub(super) frame_id: String,
+}
+
+impl Header {
+    /// Returns the header of a time, nanoseconds, and a frame.
+    pub fn new(stamp_ns: i64, frame: &str) -> Header {
+        let (sec, nanosec) = (stamp_ns.div_euclid(1_000_000_000), stamp_ns.rem_euclid(1_000_000_000));
+        Header { stamp: Time { sec: sec as i32, nanosec: nanosec as u32 }, frame_id: frame.into() }
+    }
 }
 
 #[derive(Serialize)]
@@ -26,15 +35,15 @@ pub struct PointField {
 /// `sensor_msgs/msg/PointCloud2`.
 #[derive(Serialize)]
 pub struct PointCloud2 {
-    pub header: Header,
-    pub height: u32,
-    pub width: u32,
-    pub fields: Vec<PointField>,
-    pub is_bigendian: bool,
-    pub point_step: u32,
-    pub row_step: u32,
-    pub data: Vec<u8>,
-    pub is_dense: bool,
+    pub(super) header: Header,
+    pub(super) height: u32,
+    pub(super) width: u32,
+    pub(super) fields: Vec<PointField>,
+    pub(super) is_bigendian: bool,
+    pub(super) point_step: u32,
+    pub(super) row_step: u32,
+    pub(super) data: Vec<u8>,
+    pub(super) is_dense: bool,
 }
 
 /// `geometry_msgs/msg/Point`, and `Vector3`, which has the same fields.
@@ -113,7 +122,7 @@ pub struct Marker {
 /// `visualization_msgs/msg/MarkerArray`.
 #[derive(Serialize)]
 pub struct MarkerArray {
-    pub markers: Vec<Marker>,
+    pub(super) markers: Vec<Marker>,
 }
 
 /// The definition of [`PointCloud2`], with those that it needs.

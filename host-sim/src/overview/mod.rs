@@ -10,8 +10,9 @@ mod view;
 
 pub use legend::Line;
 pub use panels::{Panel, overview, truth_and_depth};
+pub use ranges::usual_ranges_m;
 pub use segments::{Segments, overlay, segments};
 pub use view::View;
 
-pub(crate) use ranges::{NO_RETURN, range_title, usual_ranges_m};
+pub(crate) use ranges::{NO_RETURN, range_title};
 pub(crate) use view::Frame;

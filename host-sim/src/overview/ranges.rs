@@ -14,7 +14,7 @@ pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
 
 /// Returns the ranges that 2 % of the returns are nearer, farther than; 0 and 1 m where there is
 /// none.
-pub(crate) fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
+pub fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
     let mut ranges_m: Vec<f32> = scan.range_m.iter().copied().filter(|&m| m > 0.0).collect();
     ranges_m.sort_by(f32::total_cmp);
     let at =

@@ -49,8 +49,8 @@ impl Found {
 
     /// Returns the segments, the one with the most pixels first; where pixels are equal the lower
     /// label first.
-    pub fn into_sorted(self) -> Vec<Segment> {
-        let mut segments = self.segments;
+    pub fn sorted(&self) -> Vec<Segment> {
+        let mut segments = self.segments.clone();
         segments.sort_unstable_by_key(|s| (u32::MAX - s.pixels(), s.label));
         segments
     }
@@ -91,7 +91,7 @@ mod tests {
             found.insert(&Segment { label: Label(label - 1), last_row: 7, ..segment });
         }
         assert!(found.looked_at <= 2 * SEGMENTS as usize, "{}", found.looked_at);
-        let left = found.into_sorted();
+        let left = found.sorted();
         assert!(left.iter().map(|s| s.label.0).eq((1..=SEGMENTS).filter(|label| label % 3 != 0)));
         assert!(left.iter().all(|s| (s.last_row == 7) == (s.label.0 % 3 == 2 && s.label.0 < SEGMENTS)));
     }
@@ -103,6 +103,6 @@ mod tests {
         found.insert(&Segment { label: Label(4), ..segment() });
         found.remove(Label(3));
         found.remove(Label(5));
-        assert_eq!(found.into_sorted().len(), 1);
+        assert_eq!(found.sorted().len(), 1);
     }
 }

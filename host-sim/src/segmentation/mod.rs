@@ -4,6 +4,7 @@
 mod apart;
 mod beams;
 mod bearing;
+mod collected;
 mod error;
 mod found;
 mod memory;
@@ -14,9 +15,10 @@ mod whole;
 
 pub use beams::ScanBeams;
 pub use bearing::bearing_image;
+pub use collected::{Collected, numbered};
 pub use error::{SegmentationError, check_size};
 pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
-pub use ranging::ranging;
+pub use ranging::{ranging, ranging_of, states_noise, within_limits};
 pub use recorder::{RecordedScan, Recorder};
 pub use whole::Segmentation;

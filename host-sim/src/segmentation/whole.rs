@@ -1,15 +1,14 @@
 //! A whole scan through the core, all results collected.
 
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use scanseg_core::{AnyConfig, AnySegmenter, EdgeRow, Finished, Join, LabelRow, Pixel, Segment, Segmenter, Sink};
+use scanseg_core::{AnyConfig, AnySegmenter, Finished, Segment, Segmenter};
 use scanseg_formats::{Geometry, RangeImage};
 
 use crate::segmentation::apart::Apart;
 use crate::segmentation::beams::ScanBeams;
+use crate::segmentation::collected::{Collected, numbered};
 use crate::segmentation::error::{SegmentationError, check_size};
-use crate::segmentation::found::Found;
 use crate::segmentation::memory::OwnedMemory;
 use crate::segmentation::noise::FoundNoise;
 
@@ -80,9 +79,8 @@ impl Segmentation {
             Finished::Stopped => unreachable!("the sink never breaks off"),
         };
         core_time = (core_time + finishing.elapsed()).saturating_sub(apart.spent);
-        collected.apply_joins();
-        let Collected { labels, edges, closed_edges, segments, .. } = collected;
-        let (rows, columns, segments) = (scan.rows, scan.columns, segments.into_sorted());
+        let (rows, columns, labels, segments) = (scan.rows, scan.columns, collected.labels(), collected.segments());
+        let Collected { edges, closed_edges, .. } = collected;
         Ok(Segmentation {
             rows,
             columns,
@@ -105,82 +103,7 @@ impl Segmentation {
     /// Returns the segment number of each pixel, from 1, the largest; 0 for no segment and for
     /// those below `min_pixels`.
     pub fn numbers(&self, min_pixels: u32) -> Vec<u32> {
-        let last = self.segments.iter().map(|s| s.label.0).max().unwrap_or(0);
-        let mut number_of = vec![0; last as usize + 1];
-        for (number, segment) in (1..).zip(self.of_pixels(min_pixels)) {
-            number_of[segment.label.0 as usize] = number;
-        }
-        self.labels.iter().map(|&label| number_of[label as usize]).collect()
-    }
-}
-
-/// Collects what comes of a scan.
-struct Collected {
-    columns: usize,
-    labels: Vec<u32>,
-    edges: Vec<bool>,
-    closed_edges: Vec<bool>,
-    segments: Found,
-    /// The label that each label was joined into; itself if none.
-    joined_into: Vec<u32>,
-}
-
-impl Collected {
-    fn new(rows: usize, columns: usize) -> Collected {
-        let pixels = rows * columns;
-        Collected {
-            columns,
-            labels: vec![0; pixels],
-            edges: vec![false; pixels],
-            closed_edges: vec![false; pixels],
-            segments: Found::default(),
-            joined_into: vec![],
-        }
-    }
-
-    /// Gives each pixel the label that remains of all joins.
-    fn apply_joins(&mut self) {
-        // joins go to smaller labels, so that these are final when a larger one asks
-        for label in 0..self.joined_into.len() {
-            self.joined_into[label] = self.joined_into[self.joined_into[label] as usize];
-        }
-        for label in &mut self.labels {
-            *label = self.joined_into.get(*label as usize).copied().unwrap_or(*label);
-        }
-    }
-}
-
-impl Sink for Collected {
-    fn row(&mut self, row: &LabelRow<'_>) -> ControlFlow<()> {
-        for (i, pixel) in (row.row() * self.columns..).zip(row.pixels()) {
-            match pixel {
-                Pixel::Segment(label) => self.labels[i] = label.0,
-                Pixel::Edge => self.closed_edges[i] = true,
-                Pixel::NoReturn | Pixel::Unlabelled => {}
-            }
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn join(&mut self, join: Join) -> ControlFlow<()> {
-        let known = self.joined_into.len() as u32;
-        self.joined_into.extend(known..=join.from.0.max(known.saturating_sub(1)));
-        self.joined_into[join.from.0 as usize] = join.into.0;
-        self.segments.remove(join.from);
-        ControlFlow::Continue(())
-    }
-
-    fn segment(&mut self, segment: &Segment) -> ControlFlow<()> {
-        self.segments.insert(segment);
-        ControlFlow::Continue(())
-    }
-
-    fn edges(&mut self, row: &EdgeRow<'_>) -> ControlFlow<()> {
-        for run in row.runs() {
-            let start = row.row() * self.columns;
-            self.edges[start + run.start..start + run.end].fill(true);
-        }
-        ControlFlow::Continue(())
+        numbered(&self.labels, &self.segments, min_pixels)
     }
 }
 

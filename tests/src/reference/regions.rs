@@ -15,6 +15,9 @@ const UNIT_M: f64 = 1.0 / 4096.0;
 /// Standard deviations that an end point may be off.
 const DISTANCE_SIGMAS: f64 = 4.0;
 
+/// The squares of nearer points are below all digits of single precision, metres.
+const NEAREST_M: f64 = 1e-15;
+
 /// A way steeper than this against the beam is a step: the cotangent of 3 degrees.
 const GRAZING_COT: f64 = 19.1;
 
@@ -111,8 +114,8 @@ impl Grower<'_> {
     }
 
     /// How well a region takes a line, if it does: whether it has a plane, and its points.
-    fn takes(&mut self, region: usize, line: &[Vector3<f64>]) -> Option<(bool, usize)> {
-        let ends = [line[0], line[line.len() - 1]];
+    fn takes(&mut self, region: usize, line: &[Vector3<f64>], ends: &[Vector3<f64>; 2]) -> Option<(bool, usize)> {
+        self.doubt.doubtful += ends.iter().filter(|end| end.norm() < NEAREST_M).count();
         let own = axes(&self.regions[region]);
         let planar = self.has_plane(&own);
         let takes = if planar {
@@ -138,16 +141,17 @@ impl Grower<'_> {
         self.joined_into[from] = into;
     }
 
-    /// The region that a line belongs to. `above`: the regions of the lines of the row above that
+    /// The region that a line belongs to. `line`: its points, rounded; `ends`: the first and the last of them, not rounded,
+    /// since at a few units from the scanner rounding turns them. `above`: the regions of the lines of the row above that
     /// it touches, from the left, as they were when that row was done.
-    fn place(&mut self, line: &[Vector3<f64>], above: &[usize]) -> usize {
+    fn place(&mut self, line: &[Vector3<f64>], ends: &[Vector3<f64>; 2], above: &[usize]) -> usize {
         let mut best: Option<((bool, usize), usize)> = None;
         for &region in above {
             let root = self.root(region);
             if best.is_some_and(|(_, best)| best == root) {
                 continue;
             }
-            if let Some(well) = self.takes(root, line)
+            if let Some(well) = self.takes(root, line, ends)
                 && best.is_none_or(|(most, _)| well > most)
             {
                 best = Some((well, root));
@@ -160,7 +164,7 @@ impl Grower<'_> {
         };
         for &other in above {
             let other = self.root(other);
-            if other != region && self.takes(other, line).is_some() && self.meets(region, other) {
+            if other != region && self.takes(other, line, ends).is_some() && self.meets(region, other) {
                 self.join(region, other);
             }
         }
@@ -188,7 +192,8 @@ pub fn regions(image: &Image, beams: &Beams, thresholds: &Thresholds) -> Regions
         for line in lines {
             let of_line: Vec<_> = exact[line.start..line.end].iter().map(|point| unit(point.unwrap())).collect();
             let touching = above.iter().filter(|(a, _)| a.start < line.end && line.start < a.end);
-            let region = grower.place(&of_line, &touching.map(|&(_, region)| region).collect::<Vec<_>>());
+            let ends = [line.start, line.end - 1].map(|column| exact[column].unwrap());
+            let region = grower.place(&of_line, &ends, &touching.map(|&(_, region)| region).collect::<Vec<_>>());
             current.push((line, region));
         }
         if let [(first, one), .., (last, other)] = current[..]

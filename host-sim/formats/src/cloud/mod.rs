@@ -1,6 +1,7 @@
 //! Organised point clouds: beams taken from the points.
 
 mod angular;
+pub(crate) mod axes;
 pub(crate) mod e57;
 mod fit;
 mod lzf;
@@ -10,9 +11,12 @@ mod pinhole;
 pub(crate) mod ply;
 mod ply_header;
 mod recognise;
+pub(crate) mod rings;
+
+use crate::cloud::axes::Axes;
+use std::error::Error;
 
 use crate::cloud::fit::length;
-use crate::cloud::pinhole::{FORWARD, GRAPHICS, OPTICAL};
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
 use crate::range_image::RangeImage;
@@ -29,13 +33,40 @@ pub(crate) struct Cloud {
     pub points: Vec<[f32; 3]>,
 }
 
+impl Scan {
+    /// Returns the scan of an organised cloud: `rows * columns` points, row by row, in metres unless
+    /// the options say otherwise. Where nothing was measured a coordinate is not finite, or all are 0.
+    ///
+    /// # Errors
+    /// No pixel has a point, or a geometry file of the options that cannot be read.
+    pub fn of_points(
+        name: String,
+        rows: usize,
+        columns: usize,
+        points: Vec<[f32; 3]>,
+        options: &ReadOptions,
+    ) -> Result<Scan, Box<dyn Error + Send + Sync>> {
+        let pixels = ScanError::check_pixels(rows, columns)?;
+        if points.len() != pixels {
+            let what = format!("{rows} x {columns} points (it has {})", points.len());
+            return Err(ScanError::lacks("a cloud", what).into());
+        }
+        Cloud { rows, columns, points }.into_scan(name, options)
+    }
+}
+
 impl Cloud {
     /// Returns the scan, x forward, y left, z up. Limits and errors are those of the geometry file of
     /// the options, if there is one.
-    pub fn into_scan(mut self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
+    pub fn into_scan(self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
+        self.into_scan_with_axes(name, options).map(|(scan, _)| scan)
+    }
+
+    /// Returns the scan as [`Cloud::into_scan`] does, and the axes that the cloud had.
+    pub fn into_scan_with_axes(mut self, name: String, options: &ReadOptions) -> Result<(Scan, Axes), Cause> {
         let Cloud { rows, columns, .. } = self;
-        let mut geometry = match &options.geometry {
-            Some(path) => Geometry::read(path)?,
+        let mut geometry = match options.geometry()? {
+            Some(geometry) => geometry,
             None => Geometry::of(Kind::Free { directions: vec![], columns: 0, wraps: false }),
         };
         (geometry.unit_m, geometry.no_return) = (options.unit_m.unwrap_or(1.0), vec![]);
@@ -49,30 +80,15 @@ impl Cloud {
         if measured == 0 {
             return Err(ScanError::NothingMeasured { pixels: range_m.len() }.into());
         }
-        let remarks = self.turn_forward();
+        let axes = Axes::of(&self.points, columns);
+        self.points.iter_mut().for_each(|point| *point = axes.forward(*point));
         let arrangement = recognise::arrangement(&self.points, columns);
         (geometry.kind, geometry.beside) = (arrangement.kind, arrangement.beside);
         geometry.check()?;
         geometry.fits(rows, columns)?;
         let mut image = RangeImage { rows, columns, range_m };
         image.keep_within(&geometry);
-        Ok(Scan { name, image, geometry, measured, remarks })
-    }
-
-    /// Turns a cloud in the axes of a camera. Returns what is to be said of it.
-    fn turn_forward(&mut self) -> Vec<String> {
-        let is = |axes| pinhole::looks(&self.points, self.columns, axes);
-        if is(FORWARD) {
-            return vec![];
-        }
-        let (backward, axes) = if is(OPTICAL) {
-            (1.0, "x right, y down, z forward")
-        } else if is(GRAPHICS) {
-            (-1.0, "x right, y up, z backward")
-        } else {
-            return vec![];
-        };
-        self.points.iter_mut().for_each(|[x, y, z]| (*x, *y, *z) = (backward * *z, -*x, -backward * *y));
-        vec![format!("its axes are those of a camera ({axes}); in the results x is forward, y left, z up")]
+        let remarks = axes.remark().into_iter().collect();
+        Ok((Scan { name, image, geometry, measured, remarks }, axes))
     }
 }

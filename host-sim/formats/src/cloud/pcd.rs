@@ -5,6 +5,7 @@
 use crate::cloud::Cloud;
 use crate::cloud::lzf;
 use crate::cloud::number::Number;
+use crate::cloud::rings;
 use crate::scan_error::ScanError;
 
 const PCD: &str = "PCD";
@@ -25,21 +26,17 @@ pub(crate) fn is_pcd(head: &[u8]) -> bool {
 /// Reads a file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
     let (header, data) = Header::parse(bytes)?;
-    let Header { rows, columns, .. } = header;
-    if rows == 1 {
-        return Err(ScanError::Unorganised { points: columns, advice: ADVICE });
-    }
+    let Header { rows, columns, origin, .. } = header;
     let count = ScanError::check_pixels(rows, columns)?;
-    let mut points = match header.data.as_str() {
-        "ascii" => header.ascii(data, count)?,
-        "binary" => header.binary(data, count, |start, stride, i| start + i * stride)?,
-        "binary_compressed" => header.compressed(data, count)?,
-        other => {
-            return Err(ScanError::damaged(PCD, format!("DATA {other} is not ascii, binary or binary_compressed")));
-        }
-    };
     // Beams start where the scanner stood. How it was turned does not matter to its beams.
-    let origin = header.origin;
+    if rows == 1 {
+        let Some(ring) = header.ring else { return Err(ScanError::Unorganised { points: columns, advice: ADVICE }) };
+        let [x, y, z] = header.coordinates;
+        let mut points = header.points([x, y, z, ring], data, count)?;
+        points.iter_mut().for_each(|point| (0..3).for_each(|i| point[i] -= origin[i]));
+        return rings::rows_of(&points, ADVICE);
+    }
+    let mut points = header.points(header.coordinates, data, count)?;
     points.iter_mut().for_each(|point| (0..3).for_each(|i| point[i] -= origin[i]));
     Ok(Cloud { rows, columns, points })
 }
@@ -52,6 +49,8 @@ struct Header {
     origin: [f32; 3],
     /// x, y, z.
     coordinates: [Field; 3],
+    /// The ring of a spinning lidar.
+    ring: Option<Field>,
     /// Bytes and values of a point.
     stride: usize,
     values: usize,
@@ -97,7 +96,7 @@ impl Header {
             }
         };
         let (rows, columns) = (rows.ok_or_else(|| lacks("HEIGHT"))?, columns.ok_or_else(|| lacks("WIDTH"))?);
-        let (mut stride, mut values, mut found) = (0usize, 0usize, [None; 3]);
+        let (mut stride, mut values, mut found, mut ring) = (0usize, 0usize, [None; 3], None);
         for (i, name) in names.iter().enumerate() {
             let kind = types.get(i).zip(sizes.get(i)).and_then(|(kind, size)| Number::of(kind, size.parse().ok()?));
             let number = kind.ok_or_else(|| lacks("TYPE and SIZE that fit FIELDS"))?;
@@ -111,31 +110,54 @@ impl Header {
             if let Some(axis) = ["x", "y", "z"].iter().position(|axis| name == axis) {
                 found[axis] = Some(field);
             }
+            if rings::NAMES.contains(&name.as_str()) {
+                ring = Some(field);
+            }
             (stride, values) = (stride + bytes, values + count);
         }
         let [Some(x), Some(y), Some(z)] = found else { return Err(ScanError::lacks(PCD, "fields x, y and z")) };
-        Ok((Header { rows, columns, origin, coordinates: [x, y, z], stride, values, data }, &bytes[at..]))
+        Ok((Header { rows, columns, origin, coordinates: [x, y, z], ring, stride, values, data }, &bytes[at..]))
+    }
+
+    /// Returns the values of some fields of each point.
+    fn points<const N: usize>(
+        &self,
+        fields: [Field; N],
+        data: &[u8],
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, ScanError> {
+        match self.data.as_str() {
+            "ascii" => self.ascii(&fields, data, count),
+            "binary" => self.binary(&fields, data, count),
+            "binary_compressed" => self.compressed(&fields, data, count),
+            other => Err(ScanError::damaged(PCD, format!("DATA {other} is not ascii, binary or binary_compressed"))),
+        }
     }
 
     /// One line per point.
-    fn ascii(&self, data: &[u8], count: usize) -> Result<Vec<[f32; 3]>, ScanError> {
+    fn ascii<const N: usize>(
+        &self,
+        fields: &[Field; N],
+        data: &[u8],
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, ScanError> {
         // a digit and a blank for each value
         self.check_bytes(count, 2 * self.values, data.len())?;
         let text = std::str::from_utf8(data).map_err(|e| ScanError::damaged(PCD, e))?;
         let mut points = Vec::with_capacity(count);
         for (i, line) in text.lines().filter(|line| !line.trim().is_empty()).take(count).enumerate() {
             let mut words = line.split_whitespace().enumerate();
-            let mut point = [f32::NAN; 3];
+            let mut point = [f32::NAN; N];
             let mut found = 0;
-            // x, y, z may stand in any order
-            while let Some((place, word)) = words.next().filter(|_| found < 3) {
-                if let Some(axis) = self.coordinates.iter().position(|field| field.values_before == place) {
+            // they may stand in any order
+            while let Some((place, word)) = words.next().filter(|_| found < N) {
+                if let Some(axis) = fields.iter().position(|field| field.values_before == place) {
                     let damaged = || ScanError::damaged(PCD, format!("point {i}: `{word}` is not a number"));
                     point[axis] = word.parse().map_err(|_| damaged())?;
                     found += 1;
                 }
             }
-            if found < 3 {
+            if found < N {
                 return Err(ScanError::damaged(PCD, format!("point {i} has no x, y and z")));
             }
             points.push(point);
@@ -147,21 +169,25 @@ impl Header {
         Ok(points)
     }
 
-    /// Each point after the other; or as `place` says, from where its field starts in the first point,
-    /// the bytes between points, and the number of the point.
-    fn binary(
+    /// Each point after the other.
+    fn binary<const N: usize>(
         &self,
+        fields: &[Field; N],
         data: &[u8],
         count: usize,
-        place: impl Fn(usize, usize, usize) -> usize,
-    ) -> Result<Vec<[f32; 3]>, ScanError> {
+    ) -> Result<Vec<[f32; N]>, ScanError> {
         self.check_bytes(count, self.stride, data.len())?;
-        let value = |field: &Field, i| field.number.at(data, place(field.offset, self.stride, i)) as f32;
-        Ok((0..count).map(|i| self.coordinates.each_ref().map(|field| value(field, i))).collect())
+        let value = |field: &Field, i| field.number.at(data, i * self.stride + field.offset) as f32;
+        Ok((0..count).map(|i| fields.each_ref().map(|field| value(field, i))).collect())
     }
 
     /// Packed field by field: all x, then all y.
-    fn compressed(&self, data: &[u8], count: usize) -> Result<Vec<[f32; 3]>, ScanError> {
+    fn compressed<const N: usize>(
+        &self,
+        fields: &[Field; N],
+        data: &[u8],
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, ScanError> {
         let size = |at: usize| Some(u32::from_le_bytes(*data.get(at..at + 4)?.first_chunk()?) as usize);
         let damaged = |what: String| ScanError::damaged(PCD, what);
         let sizes = size(0).zip(size(4)).ok_or_else(|| damaged("no sizes before its packed points".into()))?;
@@ -173,7 +199,7 @@ impl Header {
         }
         let unpacked = lzf::unpack(packed, sizes.1).map_err(|e| ScanError::damaged(PCD, e))?;
         let value = |field: &Field, i: usize| field.number.at(&unpacked, field.offset * count + i * field.bytes) as f32;
-        Ok((0..count).map(|i| self.coordinates.each_ref().map(|field| value(field, i))).collect())
+        Ok((0..count).map(|i| fields.each_ref().map(|field| value(field, i))).collect())
     }
 
     fn check_bytes(&self, count: usize, each: usize, found: usize) -> Result<(), ScanError> {

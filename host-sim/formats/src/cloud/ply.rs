@@ -6,6 +6,7 @@
 use crate::cloud::Cloud;
 use crate::cloud::number::Number;
 use crate::cloud::ply_header::{Element, Form, Header, Property, damaged};
+use crate::cloud::rings;
 use crate::scan_error::ScanError;
 
 const ADVICE: &str = "its header has no num_cols and num_rows. Save it organised: as PCD with HEIGHT above 1, or as PLY with \
@@ -16,7 +17,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
     let (header, data) = Header::parse(bytes)?;
     let count = |name: &str| header.elements.iter().find(|element| element.name == name).map(|element| element.count);
     let vertices = count("vertex").unwrap_or(0);
-    let (rows, columns) = header.size.ok_or(ScanError::Unorganised { points: vertices, advice: ADVICE })?;
+    let Some((rows, columns)) = header.size else { return by_rings(&header, data, vertices) };
     let pixels = ScanError::check_pixels(rows, columns)?;
     let cells = count("range_grid").unwrap_or(vertices);
     if cells != pixels {
@@ -27,7 +28,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
     let (mut points, mut grid) = (vec![], None);
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => points = read_points(&mut values, element)?,
+            "vertex" => points = read_points(&mut values, element, ["x", "y", "z"].map(|axis| [axis; 2]))?,
             "range_grid" => grid = Some(read_grid(&mut values, element)?),
             _ => (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?,
         }
@@ -41,6 +42,27 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
         }
     };
     Ok(Cloud { rows, columns, points })
+}
+
+/// Returns the rows of points without size, if they say their ring.
+fn by_rings(header: &Header, data: &[u8], vertices: usize) -> Result<Cloud, ScanError> {
+    let refused = ScanError::Unorganised { points: vertices, advice: ADVICE };
+    let is_ring = |property: &Property| rings::NAMES.contains(&property.name.as_str());
+    let of_rings = |element: &Element| element.name == "vertex" && element.properties.iter().any(is_ring);
+    if !header.elements.iter().any(of_rings) {
+        return Err(refused);
+    }
+    ScanError::check_pixels(1, vertices)?;
+    check_counts(header, data.len())?;
+    let mut values = Values { form: header.form, data };
+    for element in &header.elements {
+        if of_rings(element) {
+            let points = read_points(&mut values, element, [["x"; 2], ["y"; 2], ["z"; 2], rings::NAMES])?;
+            return rings::rows_of(&points, ADVICE);
+        }
+        (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?;
+    }
+    Err(refused)
 }
 
 /// Checks that a file can have as many elements as its header says, in `left` bytes.
@@ -62,15 +84,20 @@ fn check_counts(header: &Header, left: usize) -> Result<(), ScanError> {
     Ok(())
 }
 
-fn read_points(values: &mut Values, element: &Element) -> Result<Vec<[f32; 3]>, ScanError> {
-    let axes: Vec<_> =
-        element.properties.iter().map(|p| ["x", "y", "z"].iter().position(|axis| p.name == *axis)).collect();
-    if (0..3).any(|axis| !axes.contains(&Some(axis))) {
+/// Returns some properties of each point; each may have either name.
+fn read_points<const N: usize>(
+    values: &mut Values,
+    element: &Element,
+    names: [[&str; 2]; N],
+) -> Result<Vec<[f32; N]>, ScanError> {
+    let place = |p: &Property| names.iter().position(|either| either.contains(&p.name.as_str()));
+    let axes: Vec<_> = element.properties.iter().map(place).collect();
+    if (0..N).any(|axis| !axes.contains(&Some(axis))) {
         return Err(ScanError::lacks("PLY", "x, y and z"));
     }
     let mut points = Vec::with_capacity(element.count);
     for _ in 0..element.count {
-        let mut point = [f32::NAN; 3];
+        let mut point = [f32::NAN; N];
         values.element(element, |property, value| {
             if let Some(axis) = axes[property] {
                 point[axis] = value as f32;

@@ -1,6 +1,7 @@
 //! Organised clouds: PointCloud2.
 
-use crate::cloud::Cloud;
+use crate::cloud::number::Number;
+use crate::cloud::{Cloud, rings};
 use crate::file::Cause;
 use crate::ros::cdr::decode;
 use crate::ros::messages::{PointCloud2, PointField};
@@ -16,7 +17,8 @@ pub fn scan(name: String, data: &[u8], options: &ReadOptions) -> Result<Scan, Ca
     points(&decode(FORMAT, data)?)?.into_scan(name, options)
 }
 
-fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
+/// Returns the points of a message.
+pub fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
     let [rows, columns, point_step, row_step] =
         [message.height, message.width, message.point_step, message.row_step].map(|n| n as usize);
     let pixels = ScanError::check_pixels(rows, columns)?;
@@ -32,6 +34,14 @@ fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
     if !long || last.is_none_or(|end| end > message.data.len()) {
         return Err(ScanError::damaged(FORMAT, "its rows are longer than its data"));
     }
+    if rows == 1 {
+        let ring = ring(&message.fields, message.is_bigendian).ok_or(unorganised(columns))?;
+        let of_rings = message.data.chunks_exact(point_step).take(columns).map(|point| {
+            let [x, y, z] = [&x, &y, &z].map(|read| read(point).unwrap_or(f32::NAN));
+            [x, y, z, ring(point).unwrap_or(f32::NAN)]
+        });
+        return rings::rows_of(&of_rings.collect::<Vec<_>>(), ADVICE);
+    }
     let mut points = Vec::with_capacity(pixels);
     for row in 0..rows {
         for column in 0..columns {
@@ -40,6 +50,36 @@ fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
         }
     }
     Ok(Cloud { rows, columns, points })
+}
+
+const ADVICE: &str = "its height is 1, and its points say no ring: take the cloud as the driver gives it";
+
+fn unorganised(points: usize) -> ScanError {
+    ScanError::Unorganised { points, advice: ADVICE }
+}
+
+/// Whether a cloud has rows, or points that say theirs.
+pub fn has_rows(message: &PointCloud2<'_>) -> bool {
+    message.height > 1 || ring(&message.fields, false).is_some()
+}
+
+/// Returns what reads the ring of a point.
+fn ring(fields: &[PointField], big: bool) -> Option<Coordinate> {
+    let field = fields.iter().find(|field| rings::NAMES.contains(&field.name.as_str()))?;
+    let at = field.offset as usize;
+    let number = match field.datatype {
+        2 => Number::U8,
+        3 => Number::I16,
+        4 => Number::U16,
+        5 => Number::I32,
+        6 => Number::U32,
+        7 => Number::F32,
+        _ => return None,
+    };
+    Some(Box::new(move |point| {
+        let bytes = point.get(at..at.checked_add(number.bytes())?)?;
+        Some(if big { number.big_endian(bytes) } else { number.at(bytes, 0) } as f32)
+    }))
 }
 
 type Coordinate = Box<dyn Fn(&[u8]) -> Option<f32>>;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
@@ -14,7 +14,7 @@ use crate::scan_error::ScanError;
 /// An SQLite file.
 pub struct Db3Recording {
     database: Connection,
-    topics: HashMap<i64, Rc<Topic>>,
+    topics: HashMap<i64, Arc<Topic>>,
     /// Time and number of the last message.
     last: (i64, i64),
 }
@@ -36,7 +36,7 @@ impl Db3Recording {
                 database.prepare("select id, name, type from topics where serialization_format = 'cdr'")?;
             let mut rows = statement.query([])?;
             while let Some(row) = rows.next()? {
-                topics.insert(row.get(0)?, Rc::new(Topic { name: row.get(1)?, kind: row.get(2)? }));
+                topics.insert(row.get(0)?, Arc::new(Topic { name: row.get(1)?, kind: row.get(2)? }));
             }
             drop(rows);
             drop(statement);
@@ -63,7 +63,7 @@ impl Recording for Db3Recording {
             let Some((at, topic, data)) = found else { return Ok(None) };
             *last = at;
             if let Some(topic) = topics.get(&topic) {
-                return Ok(Some(Message { topic: Rc::clone(topic), data }));
+                return Ok(Some(Message { topic: Arc::clone(topic), data }));
             }
         }
     }

@@ -29,9 +29,14 @@ pub fn sample(encoding: &str) -> Option<Sample> {
     }
 }
 
+/// Returns the topic beside that of images which says their camera.
+pub fn camera_topic(topic: &str) -> String {
+    format!("{}/camera_info", topic.rsplit_once('/').map_or("", |(parent, _)| parent))
+}
+
 /// Returns the camera of the images of a topic: the one beside it by name, or the only one.
 pub fn camera<'a>(topic: &str, cameras: &'a [(String, CameraInfo)]) -> Result<&'a CameraInfo, ScanError> {
-    let beside = format!("{}/camera_info", topic.rsplit_once('/').map_or("", |(parent, _)| parent));
+    let beside = camera_topic(topic);
     let named = cameras.iter().find(|(name, _)| *name == beside);
     match (named, cameras) {
         (Some((_, camera)), _) => Ok(camera),

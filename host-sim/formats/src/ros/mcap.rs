@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mcap::McapError;
 use mcap::io::MessageReader;
@@ -17,7 +17,7 @@ use crate::scan_error::ScanError;
 /// An MCAP file. Memory: its largest chunk or message.
 pub struct McapRecording {
     messages: MessageReader<BufReader<File>>,
-    topics: HashMap<u16, Option<Rc<Topic>>>,
+    topics: HashMap<u16, Option<Arc<Topic>>>,
 }
 
 impl McapRecording {
@@ -51,10 +51,10 @@ impl Recording for McapRecording {
             let topic = self.topics.entry(channel.id).or_insert_with(|| {
                 let kind = channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
                 let cdr = channel.message_encoding == "cdr";
-                cdr.then(|| Rc::new(Topic { name: channel.topic.clone(), kind }))
+                cdr.then(|| Arc::new(Topic { name: channel.topic.clone(), kind }))
             });
             if let Some(topic) = topic {
-                return Ok(Some(Message { topic: Rc::clone(topic), data: message.data.into_owned() }));
+                return Ok(Some(Message { topic: Arc::clone(topic), data: message.data.into_owned() }));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Recordings of ROS 2: MCAP, and with the feature `db3` SQLite.
+//! Messages of ROS 2: of recordings (MCAP, and with the feature `db3` SQLite), and as they come.
 
 mod cdr;
 mod cloud;
@@ -6,6 +6,7 @@ mod cloud;
 mod db3;
 mod depth;
 mod laser;
+mod live;
 #[cfg(test)]
 mod made_up;
 mod mcap;
@@ -18,5 +19,6 @@ mod survey;
 mod turned;
 mod velodyne;
 
+pub use live::{LiveScan, LiveScans, Needed};
 pub(crate) use recording::is_folder_of_one;
 pub(crate) use scans::{frames_of_db3, frames_of_mcap};

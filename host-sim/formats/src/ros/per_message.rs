@@ -1,6 +1,6 @@
 //! Topics of which each message is a scan.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::file::Cause;
 use crate::ros::recording::{Recording, Topic};
@@ -8,12 +8,12 @@ use crate::scan::Scan;
 use crate::streamed::Stream;
 
 /// Makes a scan of a message.
-pub type Read = Rc<dyn Fn(&[u8]) -> Result<Scan, Cause>>;
+pub type Read = Arc<dyn Fn(&[u8]) -> Result<Scan, Cause> + Send + Sync>;
 
 /// The messages of a topic as scans.
 pub struct PerMessage {
     pub recording: Box<dyn Recording>,
-    pub topic: Rc<Topic>,
+    pub topic: Arc<Topic>,
     pub read: Read,
     pub data: Vec<u8>,
 }

@@ -96,6 +96,17 @@ impl Poses {
         self.0.iter().map(|(_, pose)| pose)
     }
 
+    /// The time of the last one.
+    pub fn last_ns(&self) -> Option<i64> {
+        self.0.last().map(|(ns, _)| *ns)
+    }
+
+    /// Removes the poses before a time, but for the last of them.
+    pub fn forget_before(&mut self, time_ns: i64) {
+        let before = self.0.partition_point(|(ns, _)| *ns < time_ns);
+        self.0.drain(..before.saturating_sub(1));
+    }
+
     /// Returns the pose at a time; `None` before the first and after the last one.
     pub fn at(&self, time_ns: i64) -> Option<Pose> {
         let next = self.0.partition_point(|(ns, _)| *ns < time_ns);
@@ -137,5 +148,8 @@ mod tests {
         let turn = |ns| poses.at(ns).map(|pose| Pose::NONE.turn_to(&pose)[1]);
         assert!((turn(1500).unwrap() - 0.05).abs() < 1e-4 && (turn(3000).unwrap() - 0.2).abs() < 1e-9);
         assert_eq!((turn(999), turn(3001)), (None, None));
+        poses.forget_before(2500);
+        assert_eq!(poses.at(1999), None);
+        assert!((poses.at(2500).map(|pose| Pose::NONE.turn_to(&pose)[1]).unwrap() - 0.15).abs() < 1e-4);
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::file::Cause;
 
@@ -17,19 +17,19 @@ pub struct Topic {
 
 /// A message as it was recorded.
 pub struct Message {
-    pub topic: Rc<Topic>,
+    pub topic: Arc<Topic>,
     /// CDR.
     pub data: Vec<u8>,
 }
 
 /// A recording, message by message in the order of time.
-pub trait Recording {
+pub trait Recording: Send {
     /// Returns the next message, `None` at the end.
     fn next_message(&mut self) -> Result<Option<Message>, Cause>;
 }
 
 /// Opens a recording at its start.
-pub type Open = Rc<dyn Fn() -> Result<Box<dyn Recording>, Cause>>;
+pub type Open = Arc<dyn Fn() -> Result<Box<dyn Recording>, Cause> + Send + Sync>;
 
 /// Returns the recording in a folder that holds only one, as `ros2 bag record` makes it.
 pub(crate) fn is_folder_of_one(folder: &Path) -> io::Result<Option<PathBuf>> {

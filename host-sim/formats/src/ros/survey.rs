@@ -1,9 +1,10 @@
 //! What a recording holds, and which of its topics is taken.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::file::Cause;
 use crate::ros::cdr::decode;
+use crate::ros::cloud as clouds;
 use crate::ros::depth;
 use crate::ros::messages::{CameraInfo, Image, JointState, LaserScan, PointCloud2, TfMessage};
 use crate::ros::recording::{Open, Topic};
@@ -32,7 +33,7 @@ pub enum Content {
 #[derive(Default)]
 pub struct Survey {
     /// Each topic with its number of messages, and what it holds or why nothing of use.
-    topics: Vec<(Rc<Topic>, usize, Result<Content, String>)>,
+    topics: Vec<(Arc<Topic>, usize, Result<Content, String>)>,
     /// The cameras of which something is said, in the order of their topics.
     pub cameras: Vec<(String, CameraInfo)>,
     /// All that turns.
@@ -50,7 +51,7 @@ impl Survey {
             if let Some((_, count, _)) = known {
                 *count += 1;
             } else {
-                survey.topics.push((Rc::clone(topic), 1, content(&topic.kind, &message.data)));
+                survey.topics.push((Arc::clone(topic), 1, content(&topic.kind, &message.data)));
                 if topic.kind == CAMERA_INFO {
                     survey.cameras.push((topic.name.clone(), decode(CAMERA_INFO, &message.data)?));
                 }
@@ -65,19 +66,19 @@ impl Survey {
     }
 
     /// Returns the topic that was asked for, or the only one with scans.
-    pub fn choose(&self, wanted: Option<&str>) -> Result<(Rc<Topic>, Content), ScanError> {
+    pub fn choose(&self, wanted: Option<&str>) -> Result<(Arc<Topic>, Content), ScanError> {
         let fitting = self.topics.iter().filter_map(|(topic, _, content)| Some((topic, content.as_ref().ok()?)));
         if let Some(wanted) = wanted {
             let found = self.topics.iter().find(|(topic, ..)| topic.name == wanted);
             return match found {
-                Some((topic, _, Ok(content))) => Ok((Rc::clone(topic), content.clone())),
+                Some((topic, _, Ok(content))) => Ok((Arc::clone(topic), content.clone())),
                 Some((_, _, Err(why))) => Err(ScanError::lacks(FORMAT, format!("scans on {wanted}: {why}"))),
                 None => Err(ScanError::lacks(FORMAT, format!("the topic {wanted}; it has {}", self.list()))),
             };
         }
         let mut fitting = fitting;
         match (fitting.next(), fitting.next()) {
-            (Some((topic, content)), None) => Ok((Rc::clone(topic), content.clone())),
+            (Some((topic, content)), None) => Ok((Arc::clone(topic), content.clone())),
             (None, _) => Err(ScanError::lacks(FORMAT, format!("a topic of scans; it has {}", self.list()))),
             _ => Err(ScanError::lacks(
                 FORMAT,
@@ -88,7 +89,7 @@ impl Survey {
 
     /// Returns all topics in words.
     fn list(&self) -> String {
-        let word = |(topic, count, content): &(Rc<Topic>, usize, Result<Content, String>)| {
+        let word = |(topic, count, content): &(Arc<Topic>, usize, Result<Content, String>)| {
             let why = content.as_ref().err().map_or_else(String::new, |why| format!(": {why}"));
             format!("{} ({count} of {}{why})", topic.name, topic.kind)
         };
@@ -106,7 +107,7 @@ fn content(kind: &str, data: &[u8]) -> Result<Content, String> {
     match kind {
         "sensor_msgs/msg/PointCloud2" => {
             let cloud: PointCloud2<'_> = decode("PointCloud2", data).map_err(|e| e.to_string())?;
-            if cloud.height > 1 { Ok(Content::Clouds) } else { Err("points without rows".into()) }
+            if clouds::has_rows(&cloud) { Ok(Content::Clouds) } else { Err("points without rows".into()) }
         }
         "sensor_msgs/msg/Image" => {
             let image: Image<'_> = decode("Image", data).map_err(|e| e.to_string())?;

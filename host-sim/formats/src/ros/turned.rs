@@ -25,11 +25,18 @@ pub struct Turned {
     poses: Poses,
     /// Of the scanner within what is turned.
     mount: Pose,
+    /// The frame in which the poses are.
+    pub frame: String,
     /// To be said to the user.
     pub remark: Option<String>,
 }
 
 impl Turned {
+    /// The time of the last pose.
+    pub fn last_ns(&self) -> Option<i64> {
+        self.poses.last_ns()
+    }
+
     /// Returns the pose of the scanner; `None` where it is not known.
     pub fn at(&self, time_ns: i64) -> Option<Pose> {
         Some(self.poses.at(time_ns)?.then(&self.mount))
@@ -59,6 +66,12 @@ impl Turning {
         }
     }
 
+    /// Forgets poses before a time, but for the last of each.
+    pub fn forget_before(&mut self, time_ns: i64) {
+        self.frames.values_mut().for_each(|(_, poses)| poses.forget_before(time_ns));
+        self.joints.values_mut().for_each(|poses| poses.forget_before(time_ns));
+    }
+
     /// Returns how the scanner of a frame is turned: by the first transform above it that moves, or
     /// by the only joint that does.
     pub fn of(&self, frame: &str) -> Result<Turned, ScanError> {
@@ -66,7 +79,7 @@ impl Turning {
         for _ in 0..MAX_CHAIN {
             let Some((parent, poses)) = self.frames.get(at) else { break };
             if turn_rad(poses) > LEAST_TURN_RAD {
-                return Ok(Turned { poses: poses.clone(), mount, remark: None });
+                return Ok(Turned { poses: poses.clone(), mount, frame: parent.clone(), remark: None });
             }
             mount = poses.iter().next().unwrap_or(&Pose::NONE).then(&mount);
             at = parent;
@@ -75,7 +88,7 @@ impl Turning {
         match (moving.next(), moving.next()) {
             (Some((name, poses)), None) => {
                 let remark = format!("the joint {name} is taken to turn the scanner about its axis to the left");
-                Ok(Turned { poses: poses.clone(), mount: Pose::NONE, remark: Some(remark) })
+                Ok(Turned { poses: poses.clone(), mount: Pose::NONE, frame: frame.into(), remark: Some(remark) })
             }
             (None, _) => {
                 let what = format!("a transform that turns {frame}, or a joint that moves: its scans would be one row");

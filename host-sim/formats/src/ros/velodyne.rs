@@ -1,7 +1,7 @@
 //! Packets of a Velodyne: VelodyneScan.
 
 use std::collections::VecDeque;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::file::Cause;
 use crate::lidar::velodyne::Model;
@@ -18,7 +18,7 @@ pub struct VelodynePackets {
     pub name: String,
     pub options: ReadOptions,
     pub recording: Box<dyn Recording>,
-    pub topic: Rc<Topic>,
+    pub topic: Arc<Topic>,
     pub packets: VecDeque<VelodynePacket>,
     /// Begun with the first packet.
     pub turns: Option<Turns>,

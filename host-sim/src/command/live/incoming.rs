@@ -11,18 +11,18 @@ use std::time::{Duration, Instant};
 
 use crate::command::output::Failure;
 
-/// So many packets may wait: half a second of an Ouster with 128 rings, 8 MiB.
+/// So many packets of a scanner may wait: half a second of an Ouster with 128 rings, 8 MiB.
 const WAITING: usize = 1024;
 
 /// What came at once.
-pub struct Packet {
-    pub bytes: Vec<u8>,
+pub struct Packet<T = Vec<u8>> {
+    pub content: T,
     pub came: Instant,
 }
 
 /// What there is next.
-pub enum Next {
-    Packet(Packet),
+pub enum Next<T> {
+    Packet(Packet<T>),
     /// Nothing has come in the time.
     Nothing,
     /// Nothing will come.
@@ -30,8 +30,8 @@ pub enum Next {
 }
 
 /// What comes.
-pub struct Incoming {
-    packets: Receiver<Packet>,
+pub struct Incoming<T = Vec<u8>> {
+    packets: Receiver<Packet<T>>,
     dropped: Arc<AtomicU64>,
 }
 
@@ -44,7 +44,7 @@ impl Incoming {
         let bound = socket.local_addr().map_err(failed)?;
         let mut buffer = vec![0; usize::from(u16::MAX)];
         // nobody waits for a packet that has not been taken
-        let incoming = Incoming::new(false, move || {
+        let incoming = Incoming::new(WAITING, false, move || {
             let length = socket.recv(&mut buffer).ok()?;
             Some(buffer[..length].to_vec())
         });
@@ -58,15 +58,18 @@ impl Incoming {
             path => Box::new(File::open(path).map_err(|e| format!("{path}: {e}"))?),
         };
         let mut buffer = vec![0; 4096];
-        Ok(Incoming::new(true, move || match source.read(&mut buffer) {
+        Ok(Incoming::new(WAITING, true, move || match source.read(&mut buffer) {
             Ok(0) | Err(_) => None,
             Ok(length) => Some(buffer[..length].to_vec()),
         }))
     }
+}
 
-    /// `waits`: whether the source waits while nobody takes what came.
-    fn new(waits: bool, read: impl FnMut() -> Option<Vec<u8>> + Send + 'static) -> Incoming {
-        let (sender, packets) = sync_channel(WAITING);
+impl<T: Send + 'static> Incoming<T> {
+    /// Takes what `read` returns, up to its end. `waiting` of it may wait. `waits`: whether the source
+    /// waits while nobody takes what came.
+    pub fn new(waiting: usize, waits: bool, read: impl FnMut() -> Option<T> + Send + 'static) -> Incoming<T> {
+        let (sender, packets) = sync_channel(waiting);
         let dropped = Arc::new(AtomicU64::new(0));
         let counter = Arc::clone(&dropped);
         thread::spawn(move || forward(waits, read, &sender, &counter));
@@ -74,7 +77,7 @@ impl Incoming {
     }
 
     /// Returns what comes next within a time.
-    pub fn next(&self, within: Duration) -> Next {
+    pub fn next(&self, within: Duration) -> Next<T> {
         match self.packets.recv_timeout(within) {
             Ok(packet) => Next::Packet(packet),
             Err(RecvTimeoutError::Timeout) => Next::Nothing,
@@ -88,9 +91,9 @@ impl Incoming {
     }
 }
 
-fn forward(waits: bool, mut read: impl FnMut() -> Option<Vec<u8>>, sender: &SyncSender<Packet>, dropped: &AtomicU64) {
-    while let Some(bytes) = read() {
-        let packet = Packet { bytes, came: Instant::now() };
+fn forward<T>(waits: bool, mut read: impl FnMut() -> Option<T>, sender: &SyncSender<Packet<T>>, dropped: &AtomicU64) {
+    while let Some(content) = read() {
+        let packet = Packet { content, came: Instant::now() };
         let gone = if waits {
             sender.send(packet).is_err()
         } else {

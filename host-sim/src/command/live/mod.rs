@@ -1,9 +1,9 @@
 //! `scanseg live`: what a scanner sends, segmented while it sends.
 
-mod incoming;
-mod packets;
+pub mod incoming;
+pub mod packets;
 mod panned;
-mod report;
+pub mod report;
 mod spinning;
 
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let stop = stop();
-    let mut report = Report::new(arguments.out.as_deref(), arguments.turns, arguments.min_pixels)?;
+    let mut report = Report::new("turn", arguments.out.as_deref(), arguments.turns, arguments.min_pixels)?;
     let geometry = arguments.geometry.as_deref();
     match arguments.source.strip_prefix("udp:") {
         Some(address) => {

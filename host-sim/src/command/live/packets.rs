@@ -6,14 +6,14 @@ use std::time::Duration;
 use crate::command::live::incoming::{Incoming, Next, Packet};
 
 /// What comes, until there is no more or a signal asks to stop.
-pub struct Packets {
-    pub incoming: Incoming,
+pub struct Packets<T = Vec<u8>> {
+    pub incoming: Incoming<T>,
     pub stop: &'static AtomicBool,
 }
 
-impl Packets {
+impl<T: Send + 'static> Packets<T> {
     /// Returns the next one.
-    pub fn next(&mut self) -> Option<Packet> {
+    pub fn next(&mut self) -> Option<Packet<T>> {
         while !self.stop.load(Ordering::Relaxed) {
             match self.incoming.next(Duration::from_millis(50)) {
                 Next::Packet(packet) => return Some(packet),

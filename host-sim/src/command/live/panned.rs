@@ -24,7 +24,7 @@ pub fn run(packets: &mut Packets, file: Option<&Path>, options: &Options, report
     let mut begun = vec![];
     while begun.len() < TELLING_BYTES {
         let Some(packet) = packets.next() else { break };
-        begun.extend(packet.bytes);
+        begun.extend(packet.content);
     }
     let (mut angles_rad, mut ranges_m) = (vec![0.0; ld06::MAX_BEAMS], vec![0.0; ld06::MAX_BEAMS]);
     let memory = RowMemory { angles_rad: &mut angles_rad, ranges_m: &mut ranges_m };
@@ -39,7 +39,7 @@ pub fn run(packets: &mut Packets, file: Option<&Path>, options: &Options, report
             break (row.angles_rad.to_vec(), row.ranges_m.to_vec());
         }
         let Some(packet) = packets.next() else { return Err("live: no turn of an LD06 came".into()) };
-        (bytes, came) = (packet.bytes, packet.came);
+        (bytes, came) = (packet.content, packet.came);
     };
     let columns = first.0.len();
     let (geometry, remark) = ld06::geometry(file, columns)?;
@@ -82,7 +82,7 @@ pub fn run(packets: &mut Packets, file: Option<&Path>, options: &Options, report
         }
         report.packet_done(came);
         let Some(packet) = packets.next() else { break };
-        (bytes, came) = (packet.bytes, packet.came);
+        (bytes, came) = (packet.content, packet.came);
     }
     if !goes_on {
         return Ok(());

@@ -11,10 +11,12 @@ use scanseg_core::{Join, Label, LabelRow, Segment, Sink};
 
 use crate::command::output::{Failure, print};
 
-const HEAD: &str = "turn,pixels,distance_m,normal_x,normal_y,normal_z,centroid_x_m,centroid_y_m,centroid_z_m\n";
+const HEAD: &str = ",pixels,distance_m,normal_x,normal_y,normal_z,centroid_x_m,centroid_y_m,centroid_z_m\n";
 
 /// The turn in progress, and where turns are reported.
 pub struct Report {
+    /// What a turn is called.
+    word: &'static str,
     out: Option<(PathBuf, BufWriter<File>)>,
     turns: Option<u32>,
     min_pixels: u32,
@@ -28,17 +30,17 @@ pub struct Report {
 }
 
 impl Report {
-    pub fn new(out: Option<&Path>, turns: Option<u32>, min_pixels: u32) -> Result<Report, Failure> {
+    pub fn new(word: &'static str, out: Option<&Path>, turns: Option<u32>, min_pixels: u32) -> Result<Report, Failure> {
         let open = |path: &Path| -> Result<_, Failure> {
             let failed = |e| format!("{}: {e}", path.display());
             let mut file = BufWriter::new(File::create(path).map_err(failed)?);
-            file.write_all(HEAD.as_bytes()).map_err(failed)?;
+            file.write_all(format!("{word}{HEAD}").as_bytes()).map_err(failed)?;
             Ok((path.to_path_buf(), file))
         };
         let (segments, begun) = (BTreeMap::new(), Instant::now());
         let (lag_sum, lag_most) = (Duration::ZERO, Duration::ZERO);
         let out = out.map(open).transpose()?;
-        Ok(Report { out, turns, min_pixels, turn: 0, rows: 0, segments, begun, lag_sum, lag_most, packets: 0 })
+        Ok(Report { word, out, turns, min_pixels, turn: 0, rows: 0, segments, begun, lag_sum, lag_most, packets: 0 })
     }
 
     /// Notes that a packet which came at this time has been segmented.
@@ -47,6 +49,13 @@ impl Report {
         self.lag_sum += lag;
         self.lag_most = self.lag_most.max(lag);
         self.packets += 1;
+    }
+
+    /// Takes the segments of a whole scan.
+    #[cfg(feature = "ros2")]
+    pub fn take(&mut self, rows: usize, segments: &[Segment]) {
+        self.rows += rows as u64;
+        self.segments.extend(segments.iter().map(|segment| (segment.label, *segment)));
     }
 
     /// Ends a turn. Returns whether there is to be another.
@@ -59,7 +68,8 @@ impl Report {
             let planes =
                 self.segments.values().filter(|s| s.pixels() >= self.min_pixels && s.plane().is_some()).count();
             print(&format!(
-                "turn {}: {} rows, {planes} planes; {:.0} rows/s, lag {lag_ms:.2} ms, at most {most_ms:.2} ms; {lost}\n",
+                "{} {}: {} rows, {planes} planes; {:.0} rows/s, lag {lag_ms:.2} ms, at most {most_ms:.2} ms; {lost}\n",
+                self.word,
                 self.turn,
                 self.rows,
                 self.rows as f64 / seconds

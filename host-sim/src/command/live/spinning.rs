@@ -19,7 +19,7 @@ pub fn run(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let Some(first) = packets.next() else { return Ok(()) };
-    let mut rows = FiringRows::of(&first.bytes, metadata)?;
+    let mut rows = FiringRows::of(&first.content, metadata)?;
     let geometry = rows.geometry();
     let refused = |e| in_terms_of_options("live", e);
     let columns = rows.columns();
@@ -35,7 +35,7 @@ pub fn run(
     let mut of_turn = 0;
     while let Some(packet) = next {
         let mut came = vec![];
-        rows.push(&packet.bytes, |row| came.push((row.turn_deg, row.begins_turn, row.range_m.to_vec())));
+        rows.push(&packet.content, |row| came.push((row.turn_deg, row.begins_turn, row.range_m.to_vec())));
         for (turn_deg, begins_turn, range_m) in came {
             if (begins_turn || of_turn == MOST_ROWS) && of_turn > 0 {
                 segmenter.finish(report);
