@@ -123,8 +123,13 @@ impl Pairing {
     /// Returns a pairing without samples, for a scanner with these settings.
     #[must_use]
     pub const fn new(settings: &Settings) -> Self {
+        Self::of_rows(settings.period_us(), Self::middle_us(settings))
+    }
+
+    /// Returns how old the middle beam of a telegram is at its start byte.
+    pub(crate) const fn middle_us(settings: &Settings) -> u32 {
         let turns = if settings.interlaced { 1 } else { settings.variant.mirror_turns() as u32 };
-        Self::of_rows(settings.period_us(), (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4))
+        (2 * turns - 1) * (MIRROR_TURN_US as u32 / 4)
     }
 
     /// Returns a pairing without samples: of rows that come so often, whose middle beam is so old at

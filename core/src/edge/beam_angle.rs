@@ -83,9 +83,9 @@ pub(crate) enum Pair {
     Tilted { turn_half_sin: f32 },
     /// Rows of a nodding scanner; vers of the difference of the column angles if they are even.
     Nodding { offset: isize, turn_vers: f32, column_vers: Option<f32> },
-    /// Rows of a nodding scanner whose columns go on turning, this one and the one before on the
+    /// Rows of a nodding scanner with even columns that go on turning, this one and the one before on the
     /// trace; `turn_rad` is the difference of their turns.
-    Turning { offset: isize, turn_rad: f32, column_turns: [ColumnTurns; 2] },
+    Turning { offset: isize, turn_rad: f32, column_turns: [ColumnTurns; 2], column_vers: f32 },
     /// Listed column angles: vers Phi = rows_vers + scale * vers of their difference.
     Listed { offset: isize, rows_vers: f32, scale: f32 },
     /// (u, v) of a pixel, less (du, dv), is that of the previous one.
@@ -109,12 +109,15 @@ impl Fan<'_> {
         let offset = isize::from(trace.columns);
         let turn_rad = now.beams.turn_rad - before.beams.turn_rad;
         if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
-            let still = |at: &RowBeam| self.is_plain(&at.beams.with_column_turns(ColumnTurns::NONE));
-            if !self.turns() || !still(&now) || !still(&before) {
+            let Beams::Nodding { columns: Columns::Even { step_rad, .. }, .. } = self.beams else {
+                return Pair::Rays { offset };
+            };
+            if [now, before].map(|at| [at.beams.offset_rad, at.beams.lever_arm_m]) != [[0.0; 2]; 2] {
                 return Pair::Rays { offset };
             }
+            let column_vers = vers(offset as f32 * step_rad);
             let column_turns = [now, before].map(|at| at.beams.column_turns);
-            return Pair::Turning { offset, turn_rad, column_turns };
+            return Pair::Turning { offset, turn_rad, column_turns, column_vers };
         }
         let (columns, rows_vers, scale) = match &self.beams {
             Beams::Nodding { columns, .. } if trace.rows == 0 => (columns, 0.0, 1.0),
@@ -176,8 +179,8 @@ impl Fan<'_> {
                     sin[i] = sin_from_vers(vers_phi[i]);
                 }
             }
-            (&Pair::Turning { offset, turn_rad, column_turns }, Beams::Nodding { columns, .. }) => {
-                turning(self, columns, (turn_rad, column_turns), offset, [from, count], [sin, vers_phi]);
+            (&Pair::Turning { offset, turn_rad, column_turns, column_vers }, Beams::Nodding { columns, .. }) => {
+                turning(self, columns, (turn_rad, column_turns, column_vers), offset, from, [sin, vers_phi]);
             }
             (
                 &Pair::Listed { offset, rows_vers, scale },
@@ -210,9 +213,9 @@ impl Fan<'_> {
 fn turning(
     fan: &Fan,
     columns: &Columns,
-    (turn_rad, column_turns): (f32, [ColumnTurns; 2]),
+    (turn_rad, column_turns, column_vers): (f32, [ColumnTurns; 2], f32),
     offset: isize,
-    [from, count]: [usize; 2],
+    from: usize,
     [sin, vers_phi]: [&mut Lane; 2],
 ) {
     let (mut cos, mut cos_before, mut turned) = ([0.0; CHUNK], [0.0; CHUNK], [[0.0; CHUNK]; 2]);
@@ -223,13 +226,9 @@ fn turning(
     for ((turns, start), turned) in column_turns.iter().zip(starts).zip(&mut turned) {
         turns.of_chunk(start, turned);
     }
-    match even_vers(columns, offset) {
-        Some(vers) => *vers_phi = [vers; CHUNK],
-        None => listed_vers(columns, from, offset, count, vers_phi),
-    }
     for i in 0..CHUNK {
         let turn_vers = vers_of_turn(turn_rad + turned[0][i] - turned[1][i]);
-        vers_phi[i] = (vers_phi[i] + cos[i] * cos_before[i] * turn_vers).max(0.0);
+        vers_phi[i] = (column_vers + cos[i] * cos_before[i] * turn_vers).max(0.0);
         sin[i] = sin_from_vers(vers_phi[i]);
     }
 }

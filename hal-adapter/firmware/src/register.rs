@@ -4,6 +4,9 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Register(*mut u32);
 
+// SAFETY: an address is the same wherever it is used.
+unsafe impl Send for Register {}
+
 impl Register {
     /// # Safety
     /// There is a register at `address` on every machine that runs this, and reading or writing it

@@ -1,27 +1,52 @@
 //! The rig of an LMS 2xx: its telegrams become rows.
 
-use scanseg_core::Segmenter;
+use scanseg_core::{ColumnTurns, RowBeams, Segmenter};
 
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
 use super::pipeline::{Rig, Turns};
-use super::place::Line;
 use super::sink::RigSink;
 use crate::lms2xx::{ScanLine, ScannerEvent, Session, Settings, Severity, feed};
-use crate::pairing::{BeamAges, Pairing};
+use crate::pairing::{BeamAges, Pairing, RowTurn};
 
 /// The settings of an LMS 2xx in whose rig each beam has the turn angle of its own time; with bare
 /// [`Settings`] all beams of a row have its mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OwnTurns(pub Settings);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnTurns {
+    settings: Settings,
+    /// Of the last row and of the row held: the turn of its first beam less its mean, radians, and
+    /// how its columns go on turning.
+    row: (f32, ColumnTurns),
+    held: (f32, ColumnTurns),
+}
+
+impl OwnTurns {
+    /// Returns the settings as those of such a rig.
+    #[must_use]
+    pub const fn new(settings: Settings) -> Self {
+        let still = (0.0, ColumnTurns::NONE);
+        Self { settings, row: still, held: still }
+    }
+}
 
 /// What a rig knows of its LMS 2xx: [`Settings`], or [`OwnTurns`].
 pub trait LmsRows: Turns {
     /// Returns the settings of the scanner's session.
     fn settings(&self) -> &Settings;
+
+    /// Takes note of the turn of the last row.
+    fn turned(&mut self, turn: &RowTurn) {
+        let _ = turn;
+    }
 }
 
-impl Turns for Settings {}
+impl Turns for Settings {
+    type Beams<'r> = f32;
+
+    fn beams(&self, turn_rad: f32, _: &[f32]) -> f32 {
+        turn_rad
+    }
+}
 
 impl LmsRows for Settings {
     fn settings(&self) -> &Settings {
@@ -30,12 +55,26 @@ impl LmsRows for Settings {
 }
 
 impl Turns for OwnTurns {
-    const OWN: bool = true;
+    type Beams<'r> = RowBeams<'r>;
+
+    fn swap(&mut self) {
+        core::mem::swap(&mut self.row, &mut self.held);
+    }
+
+    fn beams<'r>(&self, turn_rad: f32, _: &'r [f32]) -> RowBeams<'r> {
+        let (first_rad, column_turns) = self.row;
+        RowBeams::from(turn_rad + first_rad).with_column_turns(column_turns)
+    }
 }
 
 impl LmsRows for OwnTurns {
     fn settings(&self) -> &Settings {
-        &self.0
+        &self.settings
+    }
+
+    fn turned(&mut self, turn: &RowTurn) {
+        let RowBeams { turn_rad, column_turns, .. } = turn.beams();
+        self.row = (turn_rad - turn.turn_rad(), column_turns);
     }
 }
 
@@ -48,9 +87,8 @@ impl<'a, S: Segmenter, K: LmsRows> Rig<'a, S, K> {
     /// [`RigError`]: the limits do not fit the settings, or `rows_m` is too short.
     pub fn new(scanner: K, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
         let settings = scanner.settings();
-        let rows = (settings.variant.columns(), 1, settings.period_us());
-        let pairing = Pairing::new(settings);
-        Self::of_parts(scanner, rows, limits, segmenter, pairing, rows_m)
+        let rows = (settings.variant.columns(), 1, settings.period_us(), Pairing::middle_us(settings));
+        Self::of_parts(scanner, rows, limits, segmenter, rows_m)
     }
 
     /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds.
@@ -95,8 +133,8 @@ impl<'a, S: Segmenter, K: LmsRows> Rig<'a, S, K> {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
                 line.row_m(self.scanner.settings().mode, self.scanner.settings().variant, self.row_m);
-                let row = if K::OWN { Line::new(place, &turn) } else { Line::still(place) };
-                self.row(row, sink);
+                self.scanner.turned(&turn);
+                self.row(place, sink);
             }
         }
     }

@@ -55,7 +55,7 @@
 //! ranges in its own columns. Of means over several scans the turn angle is that of the last.
 //!
 //! All beams of a row get the mean turn angle of the row, or each the one of its own time:
-//! `Rig::new(OwnTurns(settings), ..)`. On a floor 1 m below, at 0.5 rad/s, where two mirror turns make a
+//! `Rig::new(OwnTurns::new(settings), ..)`. On a floor 1 m below, at 0.5 rad/s, where two mirror turns make a
 //! row, points are off by 5.7 mm, and by 0.4 mm with [`OwnTurns`]
 //! (`cargo test -p scanseg-virtual-rig --test moving -- --nocapture`). That takes a Cortex-M4F 10 % more
 //! instructions by the default and 38 % more by edges, a Cortex-M0 by edges 94 % more, and 1 KB of

@@ -2,14 +2,12 @@
 
 use core::f32::consts::TAU;
 
-use scanseg_core::{Beams, Segmenter, TurnAxis};
+use scanseg_core::{Beams, RowBeams, Segmenter, TurnAxis};
 
 use super::counters::{Dropped, count};
 use super::limits::{RigError, TiltLimits};
 use super::pipeline::{Rig, Turns};
-use super::place::Line;
 use super::sink::RigSink;
-use crate::pairing::Pairing;
 use crate::scanner::{LineEvent, LineScanner, Row};
 
 /// How a line scanner sits on a turning axis, and the columns into which its beams are put.
@@ -103,7 +101,13 @@ impl Mount {
     }
 }
 
-impl Turns for Mount {}
+impl Turns for Mount {
+    type Beams<'r> = RowBeams<'r>;
+
+    fn beams<'r>(&self, _: f32, rest: &'r [f32]) -> RowBeams<'r> {
+        RowBeams::free(rest.as_chunks().0)
+    }
+}
 
 impl<'a, S: Segmenter> Rig<'a, S, Mount> {
     /// Returns the rig of a scanner that is so mounted. `segmenter` has the columns of the mount and
@@ -114,8 +118,8 @@ impl<'a, S: Segmenter> Rig<'a, S, Mount> {
     pub fn mounted(mount: Mount, limits: TiltLimits, segmenter: S, rows_m: &'a mut [f32]) -> Result<Self, RigError> {
         mount.check()?;
         // a range and a direction
-        let rows = (mount.columns, 4, mount.row_us);
-        Self::of_parts(mount, rows, limits, segmenter, Pairing::of_rows(mount.row_us, 0), rows_m)
+        let rows = (mount.columns, 4, mount.row_us, 0);
+        Self::of_parts(mount, rows, limits, segmenter, rows_m)
     }
 
     /// Takes bytes of the scanner. The last of them came at `now_us`, microseconds. The scanner is the
@@ -158,7 +162,7 @@ impl<'a, S: Segmenter> Rig<'a, S, Mount> {
             Err(dropped) => self.drop_row(dropped, sink),
             Ok(place) => {
                 self.scanner.fill(row, [turn_rad, age_us, rate_rad_per_us], self.row_m);
-                self.row(Line::still(place), sink);
+                self.row(place, sink);
             }
         }
     }

@@ -6,7 +6,7 @@ use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Status};
 
 use super::counters::{Counters, Dropped, count};
 use super::limits::{RigError, TiltLimits};
-use super::place::{Line, Place};
+use super::place::Place;
 use super::sink::{Counting, End, RigSink, ScanFinished, ScanStarted};
 use crate::latch::Latch;
 use crate::lms2xx::{Settings, Trouble};
@@ -29,8 +29,15 @@ struct Progress {
 
 /// What a rig knows of its scanner.
 pub trait Turns {
-    /// Whether the columns of a row go on turning.
-    const OWN: bool = false;
+    /// What says where the beams of a row point: a turn angle where that is enough.
+    type Beams<'r>: Into<RowBeams<'r>>;
+
+    /// The last row and the row held change their places.
+    fn swap(&mut self) {}
+
+    /// Returns where the beams of the last row point; its mean turn angle is `turn_rad`. `rest` is
+    /// what is kept behind its ranges: directions if they are free.
+    fn beams<'r>(&self, turn_rad: f32, rest: &'r [f32]) -> Self::Beams<'r>;
 }
 
 /// Scanner, tilt and segmenter: see [`rig`](crate::rig). `K` is what the rig knows of its scanner: the
@@ -49,7 +56,7 @@ pub struct Rig<'a, S, K = Settings> {
     held_m: &'a mut [f32],
     /// A row that does not continue the scan. If the next row agrees with it, a new scan begins
     /// with it.
-    held: Option<Line>,
+    held: Option<Place>,
     scan: Option<Progress>,
     /// The last sample with a plausible rate, and the time of the last sample that did not continue
     /// the one before.
@@ -62,14 +69,13 @@ pub struct Rig<'a, S, K = Settings> {
 }
 
 impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
-    /// Puts a rig together: columns of a row, numbers that are kept of each, and the time from row
-    /// to row.
+    /// Puts a rig together: columns of a row, numbers that are kept of each, the time from row to row,
+    /// and the age of the middle beam when a row is told of.
     pub(super) fn of_parts(
         scanner: K,
-        (columns, numbers, period_us): (u16, usize, u32),
+        (columns, numbers, period_us, middle_us): (u16, usize, u32, u32),
         limits: TiltLimits,
         segmenter: S,
-        pairing: Pairing,
         rows_m: &'a mut [f32],
     ) -> Result<Self, RigError> {
         limits.check(period_us)?;
@@ -83,7 +89,7 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
             period_us,
             limits,
             segmenter,
-            pairing,
+            pairing: Pairing::of_rows(period_us, middle_us),
             row_m,
             held_m,
             held: None,
@@ -127,7 +133,7 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
     pub fn idle(&mut self, now_us: u64, sink: &mut (impl RigSink + ?Sized)) {
         let over = |place: &Place| now_us.saturating_sub(place.start_us) > u64::from(self.limits.pause_us);
         let scan_over = self.scan.is_none_or(|scan| over(&scan.last));
-        if scan_over && self.held.is_none_or(|held| over(&held.place)) {
+        if scan_over && self.held.is_none_or(|held| over(&held)) {
             self.end(End::Pause, sink);
         }
     }
@@ -169,6 +175,7 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
     /// Returns the angle from one row to another, radians; `None` if it is not certain that both
     /// are of one sweep. Over a long time a jump can stay within the limits of the rate, so the
     /// samples must have shown none.
+    #[inline(never)] // it is called twice: 200 bytes of flash
     fn goes_on(&self, before: &Place, place: &Place) -> Option<f32> {
         let near = place.start_us.saturating_sub(before.start_us) <= u64::from(NEAR * self.period_us);
         let sure = near || self.jumped_us < before.start_us;
@@ -177,37 +184,42 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
 
     /// Takes a row with a plausible turn angle: the next of the scan, the second of a new scan, or
     /// one to be held.
-    pub(super) fn row(&mut self, row: Line, sink: &mut (impl RigSink + ?Sized)) {
-        let goes_on = |before: &Place| self.goes_on(before, &row.place);
-        if let Some(moved_rad) = self.scan.and_then(|scan| goes_on(&scan.last)) {
+    pub(super) fn row(&mut self, place: Place, sink: &mut (impl RigSink + ?Sized)) {
+        if let Some(moved_rad) = self.scan.and_then(|scan| self.goes_on(&scan.last, &place)) {
             self.drop_held(sink);
             let covered_rad = self.scan.map_or(0.0, |scan| scan.covered_rad);
             if covered_rad + moved_rad > self.limits.sweep_rad {
                 self.end(End::Covered, sink);
-                self.begin(&row.place, sink);
-                self.push(row, 0.0, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
             } else {
-                self.push(row, moved_rad, sink);
+                self.push(place, moved_rad, sink);
             }
-        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, goes_on(&held.place)?))) {
+        } else if let Some((held, moved_rad)) = self.held.and_then(|held| Some((held, self.goes_on(&held, &place)?))) {
             self.held = None;
             self.end(End::Turned, sink);
-            self.begin(&held.place, sink);
-            mem::swap(&mut self.row_m, &mut self.held_m);
+            self.begin(held, sink);
+            self.swap();
             self.push(held, 0.0, sink);
-            mem::swap(&mut self.row_m, &mut self.held_m);
-            self.push(row, moved_rad, sink);
+            self.swap();
+            self.push(place, moved_rad, sink);
         } else {
             self.drop_held(sink);
-            mem::swap(&mut self.row_m, &mut self.held_m);
-            self.held = Some(row);
+            self.swap();
+            self.held = Some(place);
         }
     }
 
+    /// The last row and the row held change their places.
+    fn swap(&mut self) {
+        mem::swap(&mut self.row_m, &mut self.held_m);
+        self.scanner.swap();
+    }
+
     /// Begins a scan.
-    fn begin(&mut self, first: &Place, sink: &mut (impl RigSink + ?Sized)) {
+    fn begin(&mut self, first: Place, sink: &mut (impl RigSink + ?Sized)) {
         count(&mut self.counters.scans);
-        self.scan = Some(Progress { last: *first, covered_rad: 0.0, rows: 0, stopped: false });
+        self.scan = Some(Progress { last: first, covered_rad: 0.0, rows: 0, stopped: false });
         sink.scan_started(&ScanStarted {
             number: self.counters.scans,
             columns: self.columns,
@@ -216,21 +228,16 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
     }
 
     /// Gives the last row to the segmenter.
-    fn push(&mut self, row: Line, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
+    fn push(&mut self, place: Place, moved_rad: f32, sink: &mut (impl RigSink + ?Sized)) {
         let Some(scan) = &mut self.scan else { return };
-        scan.last = row.place;
+        scan.last = place;
         scan.covered_rad += moved_rad;
         if scan.stopped {
             return self.drop_row(Dropped::Stopped, sink);
         }
         let mut counting = Counting { sink, segments: &mut self.counters.segments };
         let (ranges_m, rest) = self.row_m.split_at_checked(self.columns.into()).unwrap_or_default();
-        let (directions, _) = rest.as_chunks();
-        let beams = match directions {
-            [] if K::OWN => row.beams(),
-            [] => row.place.turn_rad.into(),
-            _ => RowBeams::free(directions),
-        };
+        let beams = self.scanner.beams(place.turn_rad, rest);
         match self.segmenter.push_row(ranges_m, beams, &mut counting) {
             Ok(status) => {
                 scan.rows = scan.rows.saturating_add(1);
@@ -239,8 +246,8 @@ impl<'a, S: Segmenter, K: Turns> Rig<'a, S, K> {
             }
             Err(PushError::TooManyRows { .. }) if scan.rows > 0 => {
                 self.end(End::Covered, sink);
-                self.begin(&row.place, sink);
-                self.push(row, 0.0, sink);
+                self.begin(place, sink);
+                self.push(place, 0.0, sink);
             }
             Err(_) => self.drop_row(Dropped::Refused, sink),
         }

@@ -1,36 +1,7 @@
 //! The turn angle of a row and its continuation.
 
-use scanseg_core::{ColumnTurns, RowBeams};
-
 use super::limits::TiltLimits;
-use crate::pairing::{RowTurn, shorter_way};
-
-/// A row with a plausible turn angle: its place, and how its columns go on turning.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub place: Place,
-    pub column_turns: ColumnTurns,
-    /// Turn angle of the row less the place's, radians: of its first beam less that of the middle.
-    pub first_rad: f32,
-}
-
-impl Line {
-    /// Returns a row each of whose columns has its own turn.
-    pub fn new(place: Place, turn: &RowTurn) -> Self {
-        let RowBeams { turn_rad, column_turns, .. } = turn.beams();
-        Self { place, column_turns, first_rad: turn_rad - place.turn_rad }
-    }
-
-    /// Returns a row whose columns are all turned as its place says.
-    pub fn still(place: Place) -> Self {
-        Self { place, column_turns: ColumnTurns::NONE, first_rad: 0.0 }
-    }
-
-    /// Returns where its beams point.
-    pub fn beams(&self) -> RowBeams<'static> {
-        RowBeams::from(self.place.turn_rad + self.first_rad).with_column_turns(self.column_turns)
-    }
-}
+use crate::pairing::shorter_way;
 
 /// Turn angle and direction of the tilt at a time.
 #[derive(Clone, Copy, Debug)]

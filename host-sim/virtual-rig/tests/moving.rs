@@ -72,7 +72,7 @@ fn every_beam_at_its_own_turn() {
     };
     let lms = scanner_on_tilt(settings, &motion, floor).running(Baud::B500000, settings.variant);
     let (found, mut rows_m) = (Floor::default(), vec![0.0; 2 * 361]);
-    let rig = Rig::new(OwnTurns(settings), limits, found.clone(), &mut rows_m).unwrap();
+    let rig = Rig::new(OwnTurns::new(settings), limits, found.clone(), &mut rows_m).unwrap();
     let mut chain = Chain::new(settings, lms, motion, rig);
     let mut seen = Seen::default();
     while chain.now_us() < (8e6 * TAU) as u64 {

@@ -51,6 +51,10 @@ pub struct Figures {
     pub deepest: u32,
     /// Bytes lost there.
     pub lost: u32,
+    /// Thousands of instructions of the dearest row, and of the dearest end of a scan: the
+    /// segmenter's.
+    pub row: f64,
+    pub end: f64,
 }
 
 impl Figures {
@@ -58,7 +62,9 @@ impl Figures {
     /// once.
     pub fn read(record: &[u8], tick_ns: f64, points: f64, sent: usize) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _, deepest, late, full] = words[..] else {
+        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _, deepest, late, full, row, end] =
+            words[..]
+        else {
             return None;
         };
         let without_waits = |ticks: u32, waits: f64| {
@@ -68,6 +74,7 @@ impl Figures {
         let sent = sent as f64;
         let (all, frames) = (without_waits(ticks, waits.into()), without_waits(in_sink, sent));
         let segmenter = without_waits(in_segmenter, sent) - frames;
-        Some(Self { labels: all - frames, frames, segmenter, stack, deepest, lost: late + full })
+        let [row, end] = [row, end].map(|ticks| 1e-3 * f64::from(ticks) * tick_ns / INSTRUCTION_NS);
+        Some(Self { labels: all - frames, frames, segmenter, stack, deepest, lost: late + full, row, end })
     }
 }

@@ -17,6 +17,18 @@ const TRAIL: usize = 8;
 /// Turn angle of the first row, radians.
 const FIRST_RAD: f32 = -48.70 / 180.0 * core::f32::consts::PI;
 
+/// Rows of each hard scene.
+const HARD_ROWS: usize = 20;
+
+/// Even numbers, 0 to 1, the same in every run.
+fn uniform(a: usize, b: usize) -> f64 {
+    let mut x = (a as u64) << 32 ^ b as u64;
+    for _ in 0..2 {
+        x = (x ^ x >> 31).wrapping_mul(0xBF58_476D_1CE4_E5B9).wrapping_add(0x9E37_79B9_7F4A_7C15);
+    }
+    (x >> 40) as f64 / f64::from(1 << 24)
+}
+
 /// Rows of value words as the scanner sends them, 0.5 degree apart; their codes for "no return"
 /// still in.
 pub struct Recording {
@@ -51,6 +63,22 @@ impl Recording {
         });
         let words: Vec<u16> = words.collect();
         Ok(Self { name: "simulated office", rows: words.chunks(361).map(<[u16]>::to_vec).collect() })
+    }
+
+    /// Scenes that make much work, those of `tests/instructions.sh`, one below the other: leaves,
+    /// combs, a chess-board, noise.
+    pub fn hard() -> Self {
+        let leaf = |row: usize, column: usize| match uniform(row / 3, column / 5) {
+            leaf if leaf < 0.3 => 12.0 + uniform(row, column),
+            leaf => 2.0 + 6.0 * leaf + 0.2 * uniform(row, column),
+        };
+        let comb = |_, column: usize| if (column / 3).is_multiple_of(2) { 2.0 } else { 4.0 };
+        let chess = |row: usize, column: usize| if (row + column).is_multiple_of(2) { 2.0 } else { 0.0 };
+        let noise = |row, column| 1.0 + 4.0 * uniform(row, column);
+        let scenes: [&dyn Fn(usize, usize) -> f64; 4] = [&leaf, &comb, &chess, &noise];
+        let word = |range_m: f64| if range_m > 0.0 { (range_m * 1000.0) as u16 } else { 0x7FFF };
+        let row = |at: usize| (0..361).map(|column| word(scenes[at / HARD_ROWS](at, column))).collect();
+        Self { name: "hard scenes", rows: (0..4 * HARD_ROWS).map(row).collect() }
     }
 
     pub fn rows(&self) -> usize {

@@ -9,8 +9,9 @@ pub const MAGIC: u32 = 0x5E6F_1605;
 /// Words behind [`MAGIC`]: ticks, ticks within the segmenter, those of them within its sink
 /// (planes, frames), waits, ticks of [`EMPTY_WAITS`] waits for nothing, bytes of stack used, bytes
 /// of stack there are, most bytes in the queue, bytes lost by a late interrupt, and by a full
-/// queue.
-pub const COUNT: usize = 10;
+/// queue, ticks of the dearest row, and of the dearest end of a scan, both within the segmenter
+/// and without its sink.
+pub const COUNT: usize = 12;
 
 /// See [`COUNT`].
 pub const EMPTY_WAITS: u32 = 1000;
@@ -18,6 +19,13 @@ pub const EMPTY_WAITS: u32 = 1000;
 /// Ticks within the segmenter, and within its sink.
 pub(super) static IN_SEGMENTER: AtomicU32 = AtomicU32::new(0);
 pub(super) static IN_SINK: AtomicU32 = AtomicU32::new(0);
+
+/// Most ticks of one row, and of one end of a scan.
+pub(super) static WORST_ROW: AtomicU32 = AtomicU32::new(0);
+pub(super) static WORST_END: AtomicU32 = AtomicU32::new(0);
+
+/// Ticks within the segmenter alone when the row, or the end of a scan, began.
+pub(super) static BEGAN: AtomicU32 = AtomicU32::new(0);
 
 /// There is one thread: a load and a store do, which is all that a Cortex-M0 has.
 pub(super) fn add(to: &AtomicU32, ticks: u32) {

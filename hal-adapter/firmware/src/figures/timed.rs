@@ -2,12 +2,13 @@
 
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
 
 use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, RowBeams, Segment, Segmenter, Sink, Status};
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Dropped, RigSink, ScanFinished, ScanStarted};
 
-use super::record::{IN_SEGMENTER, IN_SINK, add};
+use super::record::{BEGAN, IN_SEGMENTER, IN_SINK, WORST_END, WORST_ROW, add};
 use super::timer::now;
 
 /// A segmenter, or a sink, whose ticks are counted. Those of a segmenter include its sink's.
@@ -21,6 +22,19 @@ fn timed<T>(ticks: &AtomicU32, work: impl FnOnce() -> T) -> T {
     done
 }
 
+/// The same of the segmenter; notes the most ticks without those of the sink.
+fn timed_alone<T>(worst: &AtomicU32, work: impl FnOnce() -> T) -> T {
+    if !cfg!(feature = "figures") {
+        return work();
+    }
+    // in a static, for there is no stack to spare
+    let alone = || IN_SEGMENTER.load(Relaxed).wrapping_sub(IN_SINK.load(Relaxed));
+    BEGAN.store(alone(), Relaxed);
+    let done = timed(&IN_SEGMENTER, work);
+    worst.store(worst.load(Relaxed).max(alone().wrapping_sub(BEGAN.load(Relaxed))), Relaxed);
+    done
+}
+
 #[deny(clippy::missing_trait_methods)]
 impl<S: Segmenter> Segmenter for Timed<S> {
     fn push_row<'r, T: Sink + ?Sized>(
@@ -29,11 +43,11 @@ impl<S: Segmenter> Segmenter for Timed<S> {
         beams: impl Into<RowBeams<'r>>,
         sink: &mut T,
     ) -> Result<Status, PushError> {
-        timed(&IN_SEGMENTER, || self.0.push_row(ranges_m, beams, sink))
+        timed_alone(&WORST_ROW, || self.0.push_row(ranges_m, beams, sink))
     }
 
     fn finish<T: Sink + ?Sized>(&mut self, sink: &mut T) -> Finished {
-        timed(&IN_SEGMENTER, || self.0.finish(sink))
+        timed_alone(&WORST_END, || self.0.finish(sink))
     }
 
     fn reset(&mut self) {

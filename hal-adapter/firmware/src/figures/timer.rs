@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use embedded_io::Write;
 
-use super::record::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, add};
+use super::record::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, WORST_END, WORST_ROW, add};
 use crate::register::Register;
 
 static WAITS: AtomicU32 = AtomicU32::new(0);
@@ -144,9 +144,10 @@ pub fn now() -> u32 {
 pub fn send(mut link: impl Write, [deepest, overruns, queue_full]: [u32; 3]) {
     let ticks = now() - EMPTY_TICKS.load(Relaxed);
     let (used, there_are) = stack();
-    let [segmenter, sink, waits, empty] =
-        [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS].map(|word| word.load(Relaxed));
-    let words: [u32; COUNT] = [ticks, segmenter, sink, waits, empty, used, there_are, deepest, overruns, queue_full];
+    let [segmenter, sink, waits, empty, row, end] =
+        [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS, &WORST_ROW, &WORST_END].map(|word| word.load(Relaxed));
+    let words: [u32; COUNT] =
+        [ticks, segmenter, sink, waits, empty, used, there_are, deepest, overruns, queue_full, row, end];
     for word in [MAGIC].into_iter().chain(words) {
         let _ = link.write_all(&word.to_le_bytes());
     }
