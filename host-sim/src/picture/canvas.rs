@@ -135,7 +135,7 @@ impl Picture {
         let [width, height] = [self.width, self.height].map(|n| u32::try_from(n).expect("a side is too long"));
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        //  would take as long as all else that  does, for files two thirds as large
+        // `Balanced` would take as long as all else that `segment` does, for files two thirds as large.
         encoder.set_compression(png::Compression::Fast);
         encoder.set_color(png::ColorType::Rgb);
         let mut writer = encoder.write_header().expect("a PNG header in memory");
