@@ -13,9 +13,9 @@ mod ply_header;
 mod recognise;
 pub(crate) mod rings;
 
-use crate::cloud::axes::Axes;
 use std::error::Error;
 
+use crate::cloud::axes::Axes;
 use crate::cloud::fit::length;
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};

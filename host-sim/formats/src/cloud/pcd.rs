@@ -26,18 +26,14 @@ pub(crate) fn is_pcd(head: &[u8]) -> bool {
 /// Reads a file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Cloud, ScanError> {
     let (header, data) = Header::parse(bytes)?;
-    let Header { rows, columns, origin, .. } = header;
+    let Header { rows, columns, .. } = header;
     let count = ScanError::check_pixels(rows, columns)?;
-    // Beams start where the scanner stood. How it was turned does not matter to its beams.
+    let [x, y, z] = header.coordinates;
     if rows == 1 {
-        let Some(ring) = header.ring else { return Err(ScanError::Unorganised { points: columns, advice: ADVICE }) };
-        let [x, y, z] = header.coordinates;
-        let mut points = header.points([x, y, z, ring], data, count)?;
-        points.iter_mut().for_each(|point| (0..3).for_each(|i| point[i] -= origin[i]));
-        return rings::rows_of(&points, ADVICE);
+        let ring = header.ring.ok_or(ScanError::Unorganised { points: columns, advice: ADVICE })?;
+        return rings::rows_of(&header.points([x, y, z, ring], data, count)?, ADVICE);
     }
-    let mut points = header.points(header.coordinates, data, count)?;
-    points.iter_mut().for_each(|point| (0..3).for_each(|i| point[i] -= origin[i]));
+    let points = header.points([x, y, z], data, count)?;
     Ok(Cloud { rows, columns, points })
 }
 
@@ -119,19 +115,24 @@ impl Header {
         Ok((Header { rows, columns, origin, coordinates: [x, y, z], ring, stride, values, data }, &bytes[at..]))
     }
 
-    /// Returns the values of some fields of each point.
+    /// Returns the values of some fields of each point. The first three are its coordinates, as seen
+    /// from where the scanner stood: beams start there. How it was turned does not matter to them.
     fn points<const N: usize>(
         &self,
         fields: [Field; N],
         data: &[u8],
         count: usize,
     ) -> Result<Vec<[f32; N]>, ScanError> {
-        match self.data.as_str() {
-            "ascii" => self.ascii(&fields, data, count),
-            "binary" => self.binary(&fields, data, count),
-            "binary_compressed" => self.compressed(&fields, data, count),
-            other => Err(ScanError::damaged(PCD, format!("DATA {other} is not ascii, binary or binary_compressed"))),
-        }
+        let mut points = match self.data.as_str() {
+            "ascii" => self.ascii(&fields, data, count)?,
+            "binary" => self.binary(&fields, data, count)?,
+            "binary_compressed" => self.compressed(&fields, data, count)?,
+            other => {
+                return Err(ScanError::damaged(PCD, format!("DATA {other} is not ascii, binary or binary_compressed")));
+            }
+        };
+        points.iter_mut().flat_map(|point| point.iter_mut().zip(self.origin)).for_each(|(x, origin)| *x -= origin);
+        Ok(points)
     }
 
     /// One line per point.
