@@ -2,6 +2,7 @@
 
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use scanseg_formats::Geometry;
 
 use crate::value_error;
 
@@ -31,6 +32,12 @@ impl Numbers {
         let array: PyReadonlyArrayDyn<'_, f64> = filled.extract()?;
         let (shape, values) = (array.shape().to_vec(), array.as_slice().map_err(value_error)?.to_vec());
         Ok(Numbers { shape, values, whole: (kind != "f").then_some(name) })
+    }
+
+    /// Returns the numbers as distances, 0 for the counts that mean no return in a geometry.
+    pub fn distances(&self, geometry: &Geometry) -> impl Iterator<Item = f64> {
+        let no_return = |x: f64| self.whole.is_some() && geometry.no_return.iter().any(|&n| f64::from(n) == x);
+        self.values.iter().map(move |&x| if no_return(x) { 0.0 } else { x })
     }
 
     /// Returns the lengths of the axes, of which there must be `D`. `axes` says what they are.

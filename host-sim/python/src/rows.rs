@@ -104,12 +104,9 @@ impl RowSegmenter {
         }
         let unit_m = metres("ranges", numbers.whole.as_deref(), self.said_unit_m, self.unit_m)?;
         let geometry = &self.geometry;
-        let no_return = |x: f64| numbers.whole.is_some() && geometry.no_return.iter().any(|&n| f64::from(n) == x);
-        let range_m = |(column, &x): (usize, &f64)| {
-            if no_return(x) { 0.0 } else { geometry.range_m(row, column, x * unit_m) }
-        };
+        let range_m = |(column, x): (usize, f64)| geometry.range_m(row, column, x * unit_m);
         let found = py.detach(|| {
-            let ranges_m: Vec<f32> = numbers.values.iter().enumerate().map(range_m).collect();
+            let ranges_m: Vec<f32> = numbers.distances(geometry).enumerate().map(range_m).collect();
             let mut found = Found::default();
             self.running.with_dependent_mut(|owner, segmenter| {
                 let mut beams = if row < self.rows {

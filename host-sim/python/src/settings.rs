@@ -1,9 +1,9 @@
 //! How a scan is segmented: noise, limits and approach.
 
 use pyo3::prelude::*;
-use scanseg_core::{AnyConfig, Approach, EdgeConfig, PlaneConfig, RegionConfig};
+use scanseg_core::{AnyConfig, Approach};
 use scanseg_formats::{Geometry, SENSORS, Sensor};
-use scanseg_sim::segmentation::ranging_of;
+use scanseg_sim::segmentation::{limited, ranging_of, usual_config};
 
 use crate::beams::check;
 use crate::value_error;
@@ -57,15 +57,8 @@ impl Settings {
             "region" => Approach::Region,
             other => return Err(value_error(format!("approach: '{other}', must be plane, edge or region"))),
         };
-        let ranging = ranging_of(geometry, approach);
-        let or = |said: Option<f64>, stated: f32| said.map_or(stated, |m| m as f32);
-        let ranging =
-            ranging.with_limits(or(self.min_range_m, ranging.min_range_m), or(self.max_range_m, ranging.max_range_m));
-        Ok(match approach {
-            Approach::Plane => PlaneConfig::new(ranging).into(),
-            Approach::Edge => EdgeConfig::paper().with_ranging(ranging).into(),
-            Approach::Region => RegionConfig::paper().with_ranging(ranging).into(),
-        })
+        let ranging = limited(ranging_of(geometry, approach), self.min_range_m, self.max_range_m);
+        Ok(usual_config(approach, ranging))
     }
 }
 

@@ -10,7 +10,7 @@ use scanseg_formats::{Geometry, RangeImage, ReadOptions, Scan, write_atomic};
 use scanseg_sim::export::outlines::Outlines;
 use scanseg_sim::export::points;
 use scanseg_sim::export::{Outline, Planarity, Segmented, outlines_of, planarities_of};
-use scanseg_sim::segmentation::{Segmentation, SegmentationError, states_noise, within_limits};
+use scanseg_sim::segmentation::{FoundNoise, Segmentation, SegmentationError, states_noise, within_limits};
 
 use crate::arrays::{Numbers, vectors};
 use crate::beams::Beams;
@@ -42,12 +42,10 @@ pub fn segment<'py>(
     settings.apply(&mut geometry)?;
     let config = settings.config(&geometry)?;
     let found = py.detach(|| {
-        let no_return = |distance: f64| whole.is_some() && geometry.no_return.iter().any(|&n| f64::from(n) == distance);
-        let distances = numbers.values.iter().map(|&x| if no_return(x) { 0.0 } else { x });
-        let image = RangeImage::from_distances(rows, columns, distances, &geometry)?;
-        Found::of(image, &geometry, config, min_pixels)
+        let image = RangeImage::from_distances(rows, columns, numbers.distances(&geometry), &geometry)?;
+        Found::of(image, geometry, config, min_pixels)
     });
-    found.map_err(value_error)?.into_dict(py, geometry)
+    found.map_err(value_error)?.into_dict(py)
 }
 
 #[pyfunction]
@@ -70,19 +68,18 @@ pub fn segment_cloud<'py>(
     let settings = Settings { noise, approach, unit_m, min_range_m, max_range_m };
     settings.apply(&mut geometry)?;
     let config = settings.config(&geometry)?;
-    let found = py.detach(|| Found::of(image, &geometry, config, min_pixels));
-    found.map_err(value_error)?.into_dict(py, geometry)
+    let found = py.detach(|| Found::of(image, geometry, config, min_pixels));
+    found.map_err(value_error)?.into_dict(py)
 }
 
 /// All that is found in a scan.
 struct Found {
-    returns: RangeImage,
-    ranging: Ranging,
-    segmentation: Segmentation,
-    labels: Vec<u32>,
-    listed: usize,
+    scan: SegmentedScan,
     planarities: Vec<Planarity>,
     outlines: Vec<Option<Outline>>,
+    edges: Vec<bool>,
+    noise: Option<FoundNoise>,
+    unlabelled: u32,
 }
 
 /// A segmented scan, for files of it.
@@ -144,32 +141,26 @@ fn ending(path: &Path) -> &str {
 impl Found {
     fn of(
         image: RangeImage,
-        geometry: &Geometry,
+        geometry: Geometry,
         config: AnyConfig<'_>,
         min_pixels: u32,
     ) -> Result<Found, SegmentationError> {
-        let segmentation = Segmentation::of(&image, geometry, config, None, || ())?;
-        let (labels, ranging) = (segmentation.numbers(min_pixels), config.ranging());
-        let returns = within_limits(&image, &ranging);
-        let segments = segmentation.of_pixels(min_pixels);
-        let segmented = Segmented {
-            image: &returns,
-            geometry,
-            ranging: &ranging,
-            range_noise_m: if states_noise(geometry) { &[] } else { &segmentation.range_noise_m },
-            labels: &labels,
-            segments,
-        };
-        let (planarities, outlines) = (planarities_of(&segmented), outlines_of(&segmented));
-        let listed = segments.len();
-        Ok(Found { returns, ranging, segmentation, labels, listed, planarities, outlines })
+        let segmentation = Segmentation::of(&image, &geometry, config, None, || ())?;
+        let (labels, segments) = (segmentation.numbers(min_pixels), segmentation.of_pixels(min_pixels).to_vec());
+        let ranging = config.ranging();
+        let image = within_limits(&image, &ranging);
+        let range_noise_m = if states_noise(&geometry) { vec![] } else { segmentation.range_noise_m };
+        let scan = SegmentedScan { image, geometry, ranging, range_noise_m, labels, segments };
+        let (planarities, outlines) = (planarities_of(&scan.segmented()), outlines_of(&scan.segmented()));
+        let Segmentation { closed_edges: edges, noise, unlabelled, .. } = segmentation;
+        Ok(Found { scan, planarities, outlines, edges, noise, unlabelled })
     }
 
     /// Returns what `Result` in `python/scanseg` has.
-    fn into_dict(self, py: Python<'_>, geometry: Geometry) -> PyResult<Bound<'_, PyDict>> {
-        let Found { returns, ranging, segmentation, labels, listed, planarities, outlines } = self;
-        let shape = [returns.rows, returns.columns];
-        let columns = segments::columns(py, &segmentation.segments[..listed])?;
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let Found { scan, planarities, outlines, edges, noise, unlabelled } = self;
+        let (listed, shape) = (scan.segments.len(), [scan.image.rows, scan.image.columns]);
+        let columns = segments::columns(py, &scan.segments)?;
         columns.set_item("label", (1..=listed as u32).collect::<Vec<_>>().into_pyarray(py))?;
         let residuals = planarities.iter().map(|planarity| planarity.residual_per_noise.unwrap_or(f32::NAN));
         columns.set_item("residual_per_noise", residuals.collect::<Vec<_>>().into_pyarray(py))?;
@@ -183,25 +174,17 @@ impl Found {
             let flat: Vec<f64> = corners_m.iter().flatten().copied().collect();
             polygons.append(flat.into_pyarray(py).reshape([corners_m.len(), 3])?)?;
         }
-        let scan = SegmentedScan {
-            image: returns.clone(),
-            geometry: geometry.clone(),
-            ranging,
-            range_noise_m: if states_noise(&geometry) { vec![] } else { segmentation.range_noise_m },
-            labels: labels.clone(),
-            segments: segmentation.segments[..listed].to_vec(),
-        };
         let dict = PyDict::new(py);
-        dict.set_item("files", Bound::new(py, scan)?)?;
         dict.set_item("columns", columns)?;
         dict.set_item("polygons", polygons)?;
-        dict.set_item("labels", labels.into_pyarray(py).reshape(shape)?)?;
-        dict.set_item("edges", segmentation.closed_edges.into_pyarray(py).reshape(shape)?)?;
-        dict.set_item("ranges", returns.range_m.into_pyarray(py).reshape(shape)?)?;
-        dict.set_item("noise_m", segmentation.noise.map(|noise| noise.counted_m))?;
-        dict.set_item("noise_range_m", segmentation.noise.map(|noise| noise.range_m))?;
-        dict.set_item("unlabelled", segmentation.unlabelled)?;
-        dict.set_item("beams", Bound::new(py, Beams::of_ranges(geometry))?)?;
+        dict.set_item("labels", scan.labels.clone().into_pyarray(py).reshape(shape)?)?;
+        dict.set_item("edges", edges.into_pyarray(py).reshape(shape)?)?;
+        dict.set_item("ranges", scan.image.range_m.clone().into_pyarray(py).reshape(shape)?)?;
+        dict.set_item("noise_m", noise.map(|noise| noise.counted_m))?;
+        dict.set_item("noise_range_m", noise.map(|noise| noise.range_m))?;
+        dict.set_item("unlabelled", unlabelled)?;
+        dict.set_item("beams", Bound::new(py, Beams::of_ranges(scan.geometry.clone()))?)?;
+        dict.set_item("files", Bound::new(py, scan)?)?;
         Ok(dict)
     }
 }

@@ -119,8 +119,7 @@ impl Options {
 
     fn ranging(&self, geometry: &Geometry, approach: Approach) -> Ranging {
         let ranging = segmentation::ranging_of(&self.stated(geometry), approach);
-        let or = |option: Option<f64>, stated: f32| option.map_or(stated, |m| m as f32);
-        ranging.with_limits(or(self.min_range_m, ranging.min_range_m), or(self.max_range_m, ranging.max_range_m))
+        segmentation::limited(ranging, self.min_range_m, self.max_range_m)
     }
 
     fn edge_config(&self, ranging: Ranging) -> EdgeConfig<'_> {

@@ -19,6 +19,6 @@ pub use collected::{Collected, numbered};
 pub use error::{SegmentationError, check_size};
 pub use memory::{OwnedMemory, enough_labels};
 pub use noise::{FoundNoise, stated_noise_m};
-pub use ranging::{ranging, ranging_of, states_noise, within_limits};
+pub use ranging::{limited, ranging, ranging_of, states_noise, usual_config, within_limits};
 pub use recorder::{RecordedScan, Recorder};
 pub use whole::Segmentation;

@@ -1,6 +1,6 @@
 //! What a geometry file says of the errors of a scanner, for the core.
 
-use scanseg_core::{Approach, EdgeConfig, MAX_RANGE_M, Ranging};
+use scanseg_core::{AnyConfig, Approach, EdgeConfig, MAX_RANGE_M, PlaneConfig, Ranging, RegionConfig};
 use scanseg_formats::{Depth, Geometry, Kind, Noise, RangeImage};
 
 use crate::segmentation::noise::stated_noise_m;
@@ -40,6 +40,21 @@ pub fn ranging_of(geometry: &Geometry, approach: Approach) -> Ranging {
         geometry.min_range_m.map_or(preset.min_range_m, no_minimum),
         geometry.max_range_m.map_or(preset.max_range_m, maximum),
     )
+}
+
+/// Returns ranges with the limits that are said in place of their own, metres.
+pub fn limited(ranging: Ranging, min_range_m: Option<f64>, max_range_m: Option<f64>) -> Ranging {
+    let or = |said: Option<f64>, own: f32| said.map_or(own, |m| m as f32);
+    ranging.with_limits(or(min_range_m, ranging.min_range_m), or(max_range_m, ranging.max_range_m))
+}
+
+/// Returns the usual configuration of an approach; the paper's by edges and by regions.
+pub fn usual_config(approach: Approach, ranging: Ranging) -> AnyConfig<'static> {
+    match approach {
+        Approach::Plane => PlaneConfig::new(ranging).into(),
+        Approach::Edge => EdgeConfig::paper().with_ranging(ranging).into(),
+        Approach::Region => RegionConfig::paper().with_ranging(ranging).into(),
+    }
 }
 
 /// Returns whether a geometry states anything of the noise of the ranges.

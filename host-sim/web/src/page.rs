@@ -1,11 +1,11 @@
 //! What the page works on: a scan, and its segmentation.
 
-use scanseg_core::{AnyConfig, Approach, EdgeConfig, PlaneConfig, RegionConfig};
+use scanseg_core::{AnyConfig, Approach};
 use scanseg_formats::{CameraOptions, FileError, Geometry, RangeImage, ReadOptions, Scan, ScanError, ScanFile};
 use scanseg_sim::export::point_m;
 use scanseg_sim::office::{Scene, Sensor, SensorError, Set};
 use scanseg_sim::overview::{View, usual_ranges_m};
-use scanseg_sim::segmentation::{SegmentationError, numbered, ranging_of};
+use scanseg_sim::segmentation::{SegmentationError, numbered, ranging_of, usual_config};
 use scanseg_sim::view::{ToldSegment, palette};
 use serde::Serialize;
 
@@ -184,10 +184,5 @@ fn told(scan: &Scan) -> ToldScan<'_> {
 
 fn config(scan: &Scan, approach: Approach, range_noise_m: Option<f64>) -> AnyConfig<'static> {
     let stated = Geometry { range_noise_m: range_noise_m.or(scan.geometry.range_noise_m), ..scan.geometry.clone() };
-    let ranging = ranging_of(&stated, approach);
-    match approach {
-        Approach::Plane => PlaneConfig::new(ranging).into(),
-        Approach::Edge => EdgeConfig::paper().with_ranging(ranging).into(),
-        Approach::Region => RegionConfig::paper().with_ranging(ranging).into(),
-    }
+    usual_config(approach, ranging_of(&stated, approach))
 }
