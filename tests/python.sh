@@ -4,12 +4,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/tools.sh
-have python3 || { echo "skipped: no python3"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-alone python3 -m venv "$work/env" || { install python3-venv && alone python3 -m venv "$work/env"; } ||
-    { echo "skipped: no virtual environment of Python"; exit 0; }
-get() { "$work/env/bin/pip" install --quiet --disable-pip-version-check --no-cache-dir "$@" >/dev/null 2>&1; }
+python_in "$work/env" || exit 0
 get numpy pytest mypy maturin || { echo "skipped: the packages of PyPI could not be installed"; exit 0; }
 # Of the examples, whose tests say "no NAME" where one is missing. Open3D's 1.2 GB are left out.
 get gtsam || echo "skipped: gtsam could not be installed"
@@ -20,10 +17,10 @@ get distributed mcap-ros2-support || echo "skipped: distributed could not be ins
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 export CARGO_TARGET_DIR
 cargo build --quiet -p scanseg-sim --features ros
-"$work/env/bin/maturin" build --quiet --profile dev -m host-sim/python/Cargo.toml -i "$work/env/bin/python" \
+"$work/env/bin/maturin" build --quiet --profile dev -m host-sim/python/Cargo.toml -i "$python" \
     --out "$work/wheel"
 get "$work"/wheel/scanseg-*-abi3-*.whl || { echo "the wheel cannot be installed"; exit 1; }
 cd host-sim/python
-SCANSEG=$CARGO_TARGET_DIR/debug/scanseg "$work/env/bin/python" -m pytest --quiet -p no:cacheprovider -rs | sed 's/^SKIPPED /skipped: /'
+SCANSEG=$CARGO_TARGET_DIR/debug/scanseg "$python" -m pytest --quiet -p no:cacheprovider -rs | sed 's/^SKIPPED /skipped: /'
 "$work/env/bin/mypy" --strict --cache-dir "$work/mypy" python
-"$work/env/bin/python" -m mypy.stubtest scanseg._scanseg
+"$python" -m mypy.stubtest scanseg._scanseg

@@ -16,3 +16,14 @@ components() { alone rustup component add "$@"; }
 toolchain() { # name, then flags of `rustup toolchain install`
     alone cargo "+$1" --version || alone rustup toolchain install --profile minimal "$@"
 }
+
+# An environment of Python in a folder, which the check throws away; or why there is none.
+python_in() { # folder
+    have python3 || { echo "skipped: no python3"; return 1; }
+    alone python3 -m venv "$1" || { install python3-venv && alone python3 -m venv "$1"; } ||
+        { echo "skipped: no virtual environment of Python"; return 1; }
+    python=$1/bin/python
+}
+get() { # packages of PyPI, into that environment
+    "$python" -m pip install --quiet --disable-pip-version-check --no-cache-dir "$@" >/dev/null 2>&1
+}
