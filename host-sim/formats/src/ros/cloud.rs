@@ -1,10 +1,12 @@
 //! Organised clouds: PointCloud2.
 
+use std::ops::RangeInclusive;
+
 use crate::cloud::number::Number;
 use crate::cloud::{Cloud, rings};
 use crate::file::Cause;
 use crate::ros::cdr::decode;
-use crate::ros::messages::{PointCloud2, PointField};
+use crate::ros::messages::PointCloud2;
 use crate::scan::{ReadOptions, Scan};
 use crate::scan_error::ScanError;
 
@@ -22,7 +24,7 @@ pub fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
     let [rows, columns, point_step, row_step] =
         [message.height, message.width, message.point_step, message.row_step].map(|n| n as usize);
     let pixels = ScanError::check_pixels(rows, columns)?;
-    let readers = ["x", "y", "z"].map(|axis| reader(&message.fields, axis, message.is_bigendian));
+    let readers = ["x", "y", "z"].map(|axis| reader(message, &[axis], REAL));
     let [Some(x), Some(y), Some(z)] = readers else {
         return Err(ScanError::lacks(FORMAT, "x, y and z in floating point"));
     };
@@ -35,18 +37,17 @@ pub fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
         return Err(ScanError::damaged(FORMAT, "its rows are longer than its data"));
     }
     if rows == 1 {
-        let ring = ring(&message.fields, message.is_bigendian).ok_or(unorganised(columns))?;
-        let of_rings = message.data.chunks_exact(point_step).take(columns).map(|point| {
-            let [x, y, z] = [&x, &y, &z].map(|read| read(point).unwrap_or(f32::NAN));
-            [x, y, z, ring(point).unwrap_or(f32::NAN)]
-        });
+        let ring = reader(message, &rings::NAMES, RING);
+        let ring = ring.ok_or(ScanError::Unorganised { points: columns, advice: ADVICE })?;
+        let of_rings = message.data.chunks_exact(point_step).take(columns);
+        let of_rings = of_rings.map(|point| [&x, &y, &z, &ring].map(|read| read(point)));
         return rings::rows_of(&of_rings.collect::<Vec<_>>(), ADVICE);
     }
     let mut points = Vec::with_capacity(pixels);
     for row in 0..rows {
         for column in 0..columns {
             let point = &message.data[row * row_step + column * point_step..][..point_step];
-            points.push([&x, &y, &z].map(|read| read(point).unwrap_or(f32::NAN)));
+            points.push([&x, &y, &z].map(|read| read(point)));
         }
     }
     Ok(Cloud { rows, columns, points })
@@ -54,54 +55,45 @@ pub fn points(message: &PointCloud2<'_>) -> Result<Cloud, ScanError> {
 
 const ADVICE: &str = "its height is 1, and its points say no ring: take the cloud as the driver gives it";
 
-fn unorganised(points: usize) -> ScanError {
-    ScanError::Unorganised { points, advice: ADVICE }
-}
-
 /// Whether a cloud has rows, or points that say theirs.
 pub fn has_rows(message: &PointCloud2<'_>) -> bool {
-    message.height > 1 || ring(&message.fields, false).is_some()
+    message.height > 1 || reader(message, &rings::NAMES, RING).is_some()
 }
 
-/// Returns what reads the ring of a point.
-fn ring(fields: &[PointField], big: bool) -> Option<Coordinate> {
-    let field = fields.iter().find(|field| rings::NAMES.contains(&field.name.as_str()))?;
-    let at = field.offset as usize;
+/// Types of fields, by their numbers: those of coordinates, and of rings.
+const REAL: RangeInclusive<u8> = 7..=8;
+const RING: RangeInclusive<u8> = 2..=7;
+
+/// Returns what reads the field of a point that has one of these names and types; NaN beyond its end.
+fn reader(
+    message: &PointCloud2<'_>,
+    names: &[&str],
+    types: RangeInclusive<u8>,
+) -> Option<impl Fn(&[u8]) -> f32 + use<>> {
+    let field = message.fields.iter().find(|field| names.contains(&field.name.as_str()))?;
+    let (at, big) = (field.offset as usize, message.is_bigendian);
     let number = match field.datatype {
+        datatype if !types.contains(&datatype) => return None,
         2 => Number::U8,
         3 => Number::I16,
         4 => Number::U16,
         5 => Number::I32,
         6 => Number::U32,
         7 => Number::F32,
+        8 => Number::F64,
         _ => return None,
     };
-    Some(Box::new(move |point| {
-        let bytes = point.get(at..at.checked_add(number.bytes())?)?;
-        Some(if big { number.big_endian(bytes) } else { number.at(bytes, 0) } as f32)
-    }))
-}
-
-type Coordinate = Box<dyn Fn(&[u8]) -> Option<f32>>;
-
-/// Returns what reads a coordinate of a point.
-fn reader(fields: &[PointField], name: &str, big: bool) -> Option<Coordinate> {
-    let field = fields.iter().find(|field| field.name == name)?;
-    let at = field.offset as usize;
-    match (field.datatype, big) {
-        (7, false) => Some(Box::new(move |point| Some(f32::from_le_bytes(*point.get(at..)?.first_chunk()?)))),
-        (7, true) => Some(Box::new(move |point| Some(f32::from_be_bytes(*point.get(at..)?.first_chunk()?)))),
-        (8, false) => Some(Box::new(move |point| Some(f64::from_le_bytes(*point.get(at..)?.first_chunk()?) as f32))),
-        (8, true) => Some(Box::new(move |point| Some(f64::from_be_bytes(*point.get(at..)?.first_chunk()?) as f32))),
-        _ => None,
-    }
+    Some(move |point: &[u8]| {
+        let bytes = at.checked_add(number.bytes()).and_then(|end| point.get(at..end));
+        bytes.map_or(f32::NAN, |bytes| if big { number.big_endian(bytes) } else { number.at(bytes, 0) } as f32)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ros::made_up;
-    use crate::ros::messages::Header;
+    use crate::ros::messages::{Header, PointField};
 
     fn message(data: &[u8]) -> PointCloud2<'_> {
         let field = |name: &str, offset| PointField { name: name.into(), offset, datatype: 7, count: 1 };
