@@ -84,6 +84,23 @@ fn forty_second_differences() {
     assert_eq!(told(&scan, Ranging::new(0.01), [3.0])[0].1, None);
 }
 
+/// What is stated counts before anything is measured: noise that is the same everywhere or grows, steps
+/// that are the same everywhere or grow, alone and together.
+#[test]
+fn stated_noise() {
+    for terms in 0..32u32 {
+        let [a, b, c, s, t] =
+            [0, 1, 2, 3, 4].map(|i| f64::from(terms >> i & 1) * [0.003, 0.002, 0.0015, 0.02, 0.01][i]);
+        let ranging = Ranging::new(a as f32).with_growing_noise(b as f32, c as f32).with_steps(s as f32, t as f32);
+        let ranges_m = [0.5, 2.0, 7.0];
+        let nothing = walls(rig(COARSE_RAD), [0, 0], [1.0, 1.0], |_| 0.0);
+        for ((counted_m, _), r) in told(&nothing, ranging, ranges_m).into_iter().zip(ranges_m.map(f64::from)) {
+            let expected_m = (a + b * r + c * r * r).hypot((s + t * r * r) / 12f64.sqrt()).hypot(0.0015);
+            assert!((f64::from(counted_m) / expected_m - 1.0).abs() < 1e-5, "{ranging:?} {r} m: {counted_m}");
+        }
+    }
+}
+
 /// The larger of stated and measured counts, but for what is hardly more than stated, and no more than
 /// six times what is stated. Where nothing is stated there is no most.
 #[test]
