@@ -1,7 +1,7 @@
 //! The noise that the default finds in the scan itself, and which noise counts.
 
-use scanseg_core::{PlaneConfig, PlaneSegmenter, live_labels};
-use scanseg_core::{Ranging, Segmenter, TurnAxis};
+use scanseg_core::{ColumnTurns, PlaneConfig, PlaneSegmenter, live_labels};
+use scanseg_core::{Ranging, RowBeams, Segmenter, TurnAxis};
 use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Record, Rig, Room, Scan};
 
@@ -38,12 +38,23 @@ fn walls(rig: Rig, rows: [usize; 2], distances_m: [f64; 2], noise_m: impl Fn(f64
 /// What the segmenter says of the noise at some ranges after a scan that goes on: what counts, and
 /// what is measured.
 fn told<const N: usize>(scan: &Scan, ranging: Ranging, ranges_m: [f32; N]) -> [(f32, Option<f32>); N] {
+    told_by(scan, ColumnTurns::NONE, ranging, ranges_m)
+}
+
+/// The same of rows whose columns are turned each by itself.
+fn told_by<const N: usize>(
+    scan: &Scan,
+    column_turns: ColumnTurns,
+    ranging: Ranging,
+    ranges_m: [f32; N],
+) -> [(f32, Option<f32>); N] {
     let config = PlaneConfig::new(ranging);
     let mut room = Room::new(scan.columns, config, live_labels(scan.columns));
     let mut segmenter = PlaneSegmenter::new(config, scan.beams(), scan.columns, room.memory()).unwrap();
     let mut record = Record::default();
     for (row, &turn_rad) in scan.turn_rad.iter().enumerate() {
-        segmenter.push_row(scan.row_m(row), turn_rad, &mut record).unwrap();
+        let beams = RowBeams::from(turn_rad).with_column_turns(column_turns);
+        segmenter.push_row(scan.row_m(row), beams, &mut record).unwrap();
     }
     ranges_m.map(|range_m| (segmenter.range_noise_m(range_m), segmenter.measured_noise_m(range_m)))
 }
@@ -64,6 +75,24 @@ fn measured_noise_is_right_to_a_quarter() {
     }
 }
 
+/// Columns of a tilt that moves steadily lie on a slant through the row: a wall beside the scanner, the
+/// same at every turn, tells its noise as ever.
+#[test]
+fn columns_that_are_turned_steadily() {
+    let angles = Angles::Even { start_rad: 0.8, step_rad: COARSE_RAD };
+    let rig = Rig::Nodding { angles, axis: TurnAxis::Y };
+    let mut scan = Scan::of(COLUMNS, vec![0.0; 60], rig, |[_, y, _]| 3.0 / y);
+    for (row, column) in scan.size().pixels() {
+        scan.range_m[row * COLUMNS + column] += (0.01 * normal(row, column)) as f32;
+    }
+    for step_rad in [0.0, 2e-4, -1e-3] {
+        let turns = ColumnTurns { step_rad, ..ColumnTurns::NONE };
+        let [(_, measured_m)] = told_by(&scan, turns, Ranging::new(0.01), [3.0]);
+        let over = measured_m.expect("measured") / 0.01;
+        assert!((0.75..1.25).contains(&over), "{step_rad}: {over}");
+    }
+}
+
 /// Forty second differences are enough, and as many count of a chunk as are said above; without the
 /// pixel in the middle there is none.
 #[test]
@@ -81,7 +110,7 @@ fn forty_second_differences() {
     for (i, range_m) in scan.range_m.iter_mut().enumerate().filter(|(i, _)| in_the_middle(i % COLUMNS)) {
         *range_m = if i % 2 == 0 { 0.0 } else { f32::NAN };
     }
-    assert_eq!(told(&scan, Ranging::new(0.01), [3.0])[0].1, None);
+    assert_eq!(told(&scan, Ranging::new(0.01), [1.0, 3.0]).map(|(_, measured_m)| measured_m), [None, None]);
 }
 
 /// What is stated counts before anything is measured: noise that is the same everywhere or grows, steps
