@@ -146,7 +146,6 @@ impl Turns {
         let (gain, several) = explained(samples, by, areas);
         let believed = gain > rules.turn_gain
             && gain > rules.turn_gain_per_pixel * samples.len() as f32
-            && by.abs() < 2.0 * expected
             && (several || self.went_on(by, turn_rad, rules) || by * by <= 9.0 * known);
         believed.then_some(off)
     }
