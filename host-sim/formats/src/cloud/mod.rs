@@ -3,7 +3,7 @@
 mod angular;
 pub(crate) mod axes;
 pub(crate) mod e57;
-mod fit;
+pub(crate) mod fit;
 mod lzf;
 pub(crate) mod number;
 pub(crate) mod pcd;
