@@ -10,7 +10,7 @@ pub(crate) mod pcd;
 mod pinhole;
 pub(crate) mod ply;
 mod ply_header;
-mod recognise;
+pub(crate) mod recognise;
 pub(crate) mod rings;
 
 use std::error::Error;

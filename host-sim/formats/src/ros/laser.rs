@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::beside::Beside;
 use crate::cloud::Cloud;
 use crate::cloud::fit::length;
+use crate::cloud::recognise::NOWHERE;
 use crate::file::Cause;
 use crate::geometry::{Geometry, Kind};
 use crate::grey_image::MAX_PIXELS;
@@ -58,7 +59,7 @@ impl Row {
             if good {
                 ((range_m * unit_m) as f32, point.map(|x| (f64::from(x) / range_m) as f32))
             } else {
-                (0.0, AHEAD)
+                (0.0, NOWHERE)
             }
         };
         let (range_m, directions): (Vec<f32>, Vec<[f32; 3]>) = self.points.iter().map(pixel).unzip();
@@ -74,9 +75,6 @@ impl Row {
         Ok(Scan { name, image, geometry, measured, remarks: vec![] })
     }
 }
-
-/// Where a beam without a return points, as that may be anywhere.
-const AHEAD: [f32; 3] = [1.0, 0.0, 0.0];
 
 /// Rows that turn one way.
 #[derive(Default)]
