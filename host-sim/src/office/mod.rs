@@ -29,6 +29,7 @@ mod sensor;
 mod set;
 mod troubles;
 
+pub use rng::Rng;
 pub use scene::Scene;
 pub use sensor::{Sensor, SensorError, SimulatedScan};
 pub use set::{SCENES, Set};
