@@ -13,7 +13,9 @@ build=(cargo build)
 compiler=rustc
 if targets thumbv6m-none-eabi thumbv7em-none-eabihf; then
     cargo clippy --quiet --workspace --exclude scanseg-firmware --all-targets -- -D warnings
-    cargo clippy --quiet --bin rtic --features rtic --target thumbv7em-none-eabihf -- -D warnings
+    for framework in rtic embassy; do
+        cargo clippy --quiet --bin $framework --features $framework --target thumbv7em-none-eabihf -- -D warnings
+    done
     for features in "" region plane figures defmt; do
         cargo clippy --quiet --bin mps2 --features "$features" --target thumbv7em-none-eabihf -- -D warnings
         cargo clippy --quiet --bin microbit --features "$features" --target thumbv6m-none-eabi -- -D warnings
@@ -42,7 +44,9 @@ for features in defmt figures region,figures plane,figures region plane ""; do
     image mps2 thumbv7em-none-eabihf "$features" "mps2$suffix"
     image microbit thumbv6m-none-eabi "$features" "microbit$suffix"
 done
-image rtic thumbv7em-none-eabihf rtic rtic
+for framework in rtic embassy; do
+    image $framework thumbv7em-none-eabihf $framework $framework
+done
 # scenes that make much work, for the dearest row
 mkdir "$images/hard"
 cargo run --quiet -p firmware-check -- --tape "$images/hard" hard

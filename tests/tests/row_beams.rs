@@ -244,22 +244,26 @@ fn origin_beside_the_axis() {
     }
 }
 
-/// A spinning lidar whose rows are its firings: lasers up to 0.4 deg beside one another.
+/// A spinning lidar whose rows are its firings: lasers up to 0.4 deg beside one another. It does not
+/// matter where in the turn the encoder has its 0.
 #[test]
 fn firings() {
-    let angles_rad: Vec<f32> = (0..64).map(|i| (20.0 - 0.6 * i as f32).to_radians()).collect();
-    let turns_rad: Vec<f32> = (0..64).map(|i| [-0.4f32, 0.1, 0.4, -0.1][i % 4].to_radians()).collect();
-    let azimuth_rad = |row: usize| 0.0061 * row as f32;
-    let ray = |row: usize, column: usize| {
-        let turn_rad = f64::from(azimuth_rad(row)) + f64::from(turns_rad[column]);
-        [nodding(angles_rad[column].into(), turn_rad, TurnAxis::Z), [0.0; 3]]
-    };
-    let columns = Columns::Beside { angles_rad: &angles_rad, turns_rad: &turns_rad };
-    let rows = (0..1030).map(|row| RowBeams::from(azimuth_rad(row))).collect();
-    let beams = Beams::Nodding { columns, axis: TurnAxis::Z };
-    let scanner = Scanner { beams, rows, columns: 64, ray: &ray };
-    let (least, farthest) = scanner.least(default(), NOISE_M.into());
-    assert!(least > 0.97 && farthest < 0.002, "{least} {farthest}");
+    for encoder_deg in [0.0f32, 3.0, -20.0] {
+        let angles_rad: Vec<f32> = (0..64).map(|i| (20.0 - 0.6 * i as f32).to_radians()).collect();
+        let turns_rad: Vec<f32> =
+            (0..64).map(|i| ([-0.4f32, 0.1, 0.4, -0.1][i % 4] + encoder_deg).to_radians()).collect();
+        let azimuth_rad = |row: usize| 0.0061 * row as f32 - encoder_deg.to_radians();
+        let ray = |row: usize, column: usize| {
+            let turn_rad = f64::from(azimuth_rad(row)) + f64::from(turns_rad[column]);
+            [nodding(angles_rad[column].into(), turn_rad, TurnAxis::Z), [0.0; 3]]
+        };
+        let columns = Columns::Beside { angles_rad: &angles_rad, turns_rad: &turns_rad };
+        let rows = (0..1030).map(|row| RowBeams::from(azimuth_rad(row))).collect();
+        let beams = Beams::Nodding { columns, axis: TurnAxis::Z };
+        let scanner = Scanner { beams, rows, columns: 64, ray: &ray };
+        let (least, farthest) = scanner.least(default(), NOISE_M.into());
+        assert!(least > 0.97 && farthest < 0.002, "{encoder_deg}: {least} {farthest}");
+    }
 }
 
 /// Turn after turn of a lidar that begins in the middle of a wall: the wall is one segment, and each

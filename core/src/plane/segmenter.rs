@@ -184,6 +184,13 @@ impl<'a> PlaneSegmenter<'a> {
         libm::sqrtf(self.measured.variance(&self.stated, self.config.rules).at(range_m))
     }
 
+    /// [`PlaneSegmenter::range_noise_m`] of many ranges. What rows have told is looked at once, which takes
+    /// longer than all of the rest.
+    pub fn range_noises_m(&self, ranges_m: &[f32]) -> impl Iterator<Item = f32> {
+        let variance = self.measured.variance(&self.stated, self.config.rules);
+        ranges_m.iter().map(move |&range_m| libm::sqrtf(variance.at(range_m)))
+    }
+
     /// The standard deviation of a range as the rows of this scan so far tell it, whatever was
     /// stated, metres; none where too few returns at about this range have come. A measurement is
     /// right to a quarter or so; less than a quarter of what was stated is not told from none.

@@ -13,6 +13,15 @@ fn add(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     (a.0 * b.0 - a.1 * b.1, a.1 * b.0 + a.0 * b.1)
 }
 
+/// The middle of the least and the greatest; 0 of none.
+fn middle(angles_rad: &[f32]) -> f32 {
+    let Some(&first) = angles_rad.first() else { return 0.0 };
+    let (least, greatest) = angles_rad.iter().fold((first, first), |(least, greatest), &angle_rad| {
+        (if angle_rad < least { angle_rad } else { least }, if angle_rad > greatest { angle_rad } else { greatest })
+    });
+    0.5 * (least + greatest)
+}
+
 /// Turns within a row up to here, as of a tilt that moves, have few terms.
 const SMALL_RAD: f32 = 0.1;
 
@@ -143,7 +152,11 @@ impl<'a> Fan<'a> {
 
     /// What the beams of a row depend on besides the column.
     pub fn frame<'r>(&self, at: RowBeam<'r>) -> Frame<'r> {
-        let (c, s) = cos_sin(at.beams.turn_rad);
+        let middle_rad = match self.beams {
+            Beams::Nodding { columns: Columns::Beside { turns_rad, .. }, .. } => middle(turns_rad),
+            _ => 0.0,
+        };
+        let (c, s) = cos_sin(at.beams.turn_rad + middle_rad);
         let [p, q, r, t] = match &self.beams {
             Beams::Nodding { axis: TurnAxis::Y, .. } => [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0; 3], [-s, 0.0, c]],
             Beams::Nodding { axis: TurnAxis::Z, .. } => [[c, s, 0.0], [0.0, 0.0, 1.0], [0.0; 3], [-s, c, 0.0]],
@@ -154,7 +167,7 @@ impl<'a> Fan<'a> {
             }
             Beams::Free { .. } => free(at.beams.directions),
         };
-        Frame { p, q, r, t, plain: self.is_plain(&at.beams), beams: at.beams }
+        Frame { p, q, r, t, plain: self.is_plain(&at.beams), middle_rad, beams: at.beams }
     }
 
     /// Whether columns lie where [`Beams`] and the turn angle alone say.
@@ -235,10 +248,12 @@ impl<'a> Fan<'a> {
         }
     }
 
-    /// Cosine and sine of how much more than its row a column is turned.
+    /// Cosine and sine of how much more than the [`Frame`] of its row a column is turned.
     fn turned(&self, frame: &Frame, column: usize) -> (f32, f32) {
         match &self.beams {
-            Beams::Nodding { columns, .. } => cos_sin(columns.turn_rad(column) + frame.beams.column_turns.of(column)),
+            Beams::Nodding { columns, .. } => {
+                cos_sin(columns.turn_rad(column) - frame.middle_rad + frame.beams.column_turns.of(column))
+            }
             _ => (1.0, 0.0),
         }
     }
@@ -347,5 +362,8 @@ pub(crate) struct Frame<'r> {
     pub t: [f32; 3],
     /// Whether no column lies beside p, q and r.
     pub plain: bool,
+    /// The row is taken to be turned by this more, the middle of its columns, radians: how a line
+    /// leans across its row is not known, which counts as noise the farther a beam lies beside it.
+    middle_rad: f32,
     pub beams: RowBeams<'r>,
 }

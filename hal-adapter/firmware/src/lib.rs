@@ -11,6 +11,7 @@
 #![no_std]
 
 pub mod approach;
+pub mod asynch;
 pub mod figures;
 #[cfg(target_os = "none")]
 pub mod interrupt;

@@ -162,7 +162,7 @@ pub fn run<R: Read, W: Write>(
 }
 
 /// Encoder on the tilt axis, zero ahead.
-const AHEAD: Calibration = match Calibration::new(0, Direction::Same, 1.0) {
+pub const AHEAD: Calibration = match Calibration::new(0, Direction::Same, 1.0) {
     Ok(calibration) => calibration,
     Err(_) => unreachable!(),
 };

@@ -8,9 +8,12 @@ use std::rc::Rc;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use scanseg_core::{AnyConfig, AnySegmenter, Approach};
 use scanseg_firmware::approach::{EDGE, PLANE, REGION};
+use scanseg_firmware::asynch::{LineDelay, Pieces};
 use scanseg_firmware::figures::Timed;
-use scanseg_firmware::run::{LineClock, Ports, limits, run};
-use scanseg_hal::lms2xx::{Session, Settings};
+use scanseg_firmware::run::{AHEAD, LineClock, MIN_PIXELS, Ports, limits, run};
+use scanseg_hal::encoder::Tilt;
+use scanseg_hal::encoder::as5048a::As5048a;
+use scanseg_hal::lms2xx::{Scanner, Session, Settings};
 use scanseg_hal::rig::{Rig, beams};
 use scanseg_sim::segmentation::OwnedMemory;
 use scanseg_virtual_rig::VirtualAs5048a;
@@ -29,6 +32,34 @@ pub struct Expected {
 
 /// Runs the chain on all that the scanner sends.
 pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labels: Option<usize>) -> Result<Expected> {
+    let mut session = Session::listening(*settings);
+    with_rig(settings, approach, max_labels, |clock, encoder, rig, link| {
+        let ports = Ports { scanner: Clocked { stream, clock }, encoder, link };
+        // runs until the stream ends
+        run(ports, settings, &mut session, rig, || (0, 0), || {});
+    })
+}
+
+/// Runs the chain of the image on embassy.
+pub fn expected_async(stream: &[u8], settings: &Settings, approach: Approach) -> Result<Expected> {
+    with_rig(settings, approach, None, |clock, encoder, rig, link| {
+        let now_us = || clock.borrow().now_us();
+        let port = Pieces { bytes: stream, clock: &clock };
+        let mut scanner = Scanner::listening(port, now_us, LineDelay(&clock), *settings);
+        let tilt = Tilt::new(As5048a::new(encoder), AHEAD);
+        let times = (now_us, LineDelay(&clock));
+        let send = |frame: &[u8]| link.extend(frame);
+        pollster::block_on(scanseg_embassy::run(&mut scanner, tilt, times, rig, MIN_PIXELS, send));
+    })
+}
+
+/// Gives the encoder and a rig to the loop; returns what went over the encoder's wires and over the link.
+fn with_rig(
+    settings: &Settings,
+    approach: Approach,
+    max_labels: Option<usize>,
+    run: impl FnOnce(Rc<RefCell<LineClock>>, Spy<'_, Sensor>, &mut Rig<'_, Timed<AnySegmenter<'_>>>, &mut Vec<u8>),
+) -> Result<Expected> {
     let columns = usize::from(settings.variant.columns());
     let config: AnyConfig = match approach {
         Approach::Plane => PLANE.into(),
@@ -40,18 +71,18 @@ pub fn expected(stream: &[u8], settings: &Settings, approach: Approach, max_labe
     let segmenter = AnySegmenter::new(config, beams(settings.variant), columns, memory.memory())?;
     let mut rows_m = vec![0.0; 2 * columns];
     let mut rig = Rig::new(*settings, limits(settings), Timed(segmenter), &mut rows_m)?;
-    let mut session = Session::listening(*settings);
     let clock = Rc::new(RefCell::new(LineClock::new(settings)));
-    let tilt_clock = clock.clone();
-    let sensor = VirtualAs5048a::new(move || Recording::tilt_turns(settings, tilt_clock.borrow().now_us()));
+    let (tilt_clock, settings) = (clock.clone(), *settings);
+    let tilt: Box<dyn FnMut() -> f64> =
+        Box::new(move || Recording::tilt_turns(&settings, tilt_clock.borrow().now_us()));
     let mut link = Vec::new();
     let mut frames = Frames::new();
-    let ports =
-        Ports { scanner: Clocked { stream, clock }, encoder: Spy { sensor, frames: &mut frames }, link: &mut link };
-    // runs until the stream ends
-    run(ports, settings, &mut session, &mut rig, || (0, 0), || {});
+    run(clock, Spy { sensor: VirtualAs5048a::new(tilt), frames: &mut frames }, &mut rig, &mut link);
     Ok(Expected { link, frames })
 }
+
+/// The encoder.
+type Sensor = VirtualAs5048a<Box<dyn FnMut() -> f64>>;
 
 /// A stream that moves a clock.
 struct Clocked<'a> {

@@ -23,6 +23,7 @@ use scanseg_firmware::run::{MICROBIT, MPS2};
 use scanseg_hal::lms2xx::Settings;
 
 use figures::{Figures, Summary};
+use host::Expected;
 use image::Size;
 use qemu::Wiring;
 use scene::Recording;
@@ -177,7 +178,11 @@ fn check(images: &Path, only: Option<&str>) -> Result<bool> {
         }
     }
     if only.is_none() {
-        good &= rtic(&images.join("rtic"), &recording)?;
+        let stream = recording.stream(&MPS2);
+        let expected = host::expected(&stream, &MPS2, Approach::Edge, None)?;
+        good &= framework("RTIC", &images.join("rtic"), &stream, expected)?;
+        let expected = host::expected_async(&stream, &MPS2, Approach::Edge)?;
+        good &= framework("embassy", &images.join("embassy"), &stream, expected)?;
         println!("default, hard scenes");
         let worst = hard(&images.join("mps2-plane-hard"))?;
         println!(
@@ -199,19 +204,18 @@ fn hard(image: &Path) -> Result<Figures> {
     Figures::read(record, MACHINES[0].tick_ns, 1.0, 0).ok_or_else(|| "hard scenes: no figures came".into())
 }
 
-/// Runs the image on RTIC. Returns whether it sends what the host sends.
-fn rtic(image: &Path, recording: &Recording) -> Result<bool> {
-    let stream = recording.stream(&MPS2);
-    let expected = host::expected(&stream, &MPS2, Approach::Edge, None)?;
-    let wanted = expected.link.len();
-    let link = qemu::run(MACHINES[0].name, Wiring::Apart, image, &stream, expected.frames, wanted)?;
+/// Runs an image of a framework. Returns whether it sends what the host sends.
+fn framework(name: &str, image: &Path, stream: &[u8], expected: Expected) -> Result<bool> {
+    let (wanted, summary) = (expected.link.len(), Summary::of(&expected.link));
+    let link = qemu::run(MACHINES[0].name, Wiring::Apart, image, stream, expected.frames, wanted)?;
     match difference(&expected.link, &link) {
-        Some(at) => println!("RTIC: differs from the host at byte {at} of {wanted}"),
+        Some(at) => println!("{name}: differs from the host at byte {at} of {wanted}"),
         None => {
-            println!("RTIC on {}: {wanted} bytes equal, {} bytes of flash", MACHINES[0].core, Size::of(image)?.flash())
+            let (core, flash) = (MACHINES[0].core, Size::of(image)?.flash());
+            println!("{name} on {core}: {summary:?}, {wanted} bytes equal, {flash} bytes of flash");
         }
     }
-    Ok(expected.link == link)
+    Ok(expected.link == link && summary.rows > 200 && summary.planes > 10)
 }
 
 /// What a machine needs for an image, and what the image has sent.

@@ -12,7 +12,7 @@ use crate::geometry::{Kind, TurnAxis};
 /// Returns the arrangement of the beams through points, row by row from the origin; where nothing was
 /// measured a point is 0.
 pub(crate) fn arrangement(points: &[[f32; 3]], columns: usize) -> Arrangement {
-    let camera = pinhole::fit(points, columns, pinhole::FORWARD);
+    let camera = pinhole::fit(points, columns);
     let certain = camera.as_ref().filter(|(deviation, _)| deviation.fits() && deviation.root_mean_square() < 0.02);
     if let Some((_, kind)) = certain {
         return Arrangement { kind: kind.clone(), beside: Beside::NONE };
