@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use scanseg_core::{Finished, LabelRow, PushError, RowBeams, Segmenter, Sink, Status, TurnAxis};
-use scanseg_fuzz::scanner::Damage;
+use scanseg_fuzz::scanner::{self, Damage};
 use scanseg_hal::Latch;
 use scanseg_hal::ld06::{Ld06, Model};
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Rows, SCAN_LINE, Session, Settings, Unit, Variant};
@@ -27,6 +27,8 @@ enum Kind {
     Express,
     Dense,
     Lms,
+    /// With partial scan lines.
+    LmsInterlaced,
 }
 
 const LMS: Settings = Settings {
@@ -37,11 +39,15 @@ const LMS: Settings = Settings {
     interlaced: false,
 };
 
+const LMS_INTERLACED: Settings = Settings { variant: Variant::Deg100Step025, interlaced: true, ..LMS };
+
 #[derive(Debug, Arbitrary)]
 enum Piece {
     Bytes(Vec<u8>),
     /// So many packets of a scanner that works, the last of them damaged.
     Packets(u8, Damage),
+    /// Of an LMS 2xx: sub-ranges, partial scan lines.
+    Telegram(scanner::Piece),
     /// Microseconds.
     Later(u32),
 }
@@ -171,7 +177,7 @@ fuzz_target!(|input: Input| {
     let mut next = || match input.kind {
         Kind::Ld06 => ld06.next_packet().1.to_vec(),
         Kind::Stl27l => stl27l.next_packet().1.to_vec(),
-        Kind::Lms => frame(&scan_payload(&[SCAN_LINE], 181 | 1 << 14, &[3000; 181], &[], 0x10)),
+        Kind::Lms | Kind::LmsInterlaced => frame(&scan_payload(&[SCAN_LINE], 181 | 1 << 14, &[3000; 181], &[], 0x10)),
         _ => rplidar.next_packet().expect("it scans").1,
     };
     let mut now_us = 1_000_000;
@@ -182,6 +188,11 @@ fuzz_target!(|input: Input| {
     for piece in &input.pieces {
         match piece {
             Piece::Bytes(came) => bytes.push((now_us, came.clone())),
+            Piece::Telegram(telegram) => {
+                let settings = if matches!(input.kind, Kind::Lms) { LMS } else { LMS_INTERLACED };
+                now_us += 13_333;
+                bytes.push((now_us, telegram.bytes(&settings)));
+            }
             Piece::Later(us) => now_us += u64::from(*us),
             Piece::Packets(count, damage) => {
                 for left in (0..*count).rev() {
@@ -210,5 +221,9 @@ fuzz_target!(|input: Input| {
         Kind::Express => check(&input, seen, &bytes, memories.map(rplidars(Format::Express))),
         Kind::Dense => check(&input, seen, &bytes, memories.map(rplidars(Format::Dense))),
         Kind::Lms => check(&input, None, &bytes, memories.map(|memory| Rows::new(Session::listening(LMS), memory))),
+        Kind::LmsInterlaced => {
+            let rows = |memory| Rows::new(Session::listening(LMS_INTERLACED), memory);
+            check(&input, None, &bytes, memories.map(rows));
+        }
     }
 });

@@ -288,7 +288,9 @@ fn scanline<'r>(
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
-    let (ranging, frame) = (&config.ranging, fan.frame(beam));
+    let ranging = &config.ranging;
+    // where a beam without a return points, nobody knows
+    let frame = fan.frame_of(beam, |column| ranging.clean(at(ranges_m, column)) > 0.0);
     Scanline {
         ranging,
         fan,

@@ -34,6 +34,7 @@ mod set;
 mod street;
 mod troubles;
 
+pub use rng::Rng;
 pub use scene::Scene;
 pub use sensor::{Sensor, SensorError, SimulatedScan};
 pub use set::{SCENES, Set};

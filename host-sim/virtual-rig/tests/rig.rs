@@ -395,5 +395,5 @@ fn wrong_rigs() {
 fn size() {
     let bytes = (size_of::<Rig<'static, ()>>(), size_of::<Session>());
     println!("rig and session: {bytes:?}");
-    assert!(bytes.0 <= 416 && bytes.1 < 1024);
+    assert!(bytes.0 <= 400 && bytes.1 < 1024);
 }
