@@ -59,6 +59,11 @@ struct Most(f64, u32, u32);
 const ROW_MOST: [[f64; 3]; 2] = [[200.0, 710.0, 840.0], [1100.0, 4200.0, 5000.0]];
 const HARD_MOST: f64 = 1280.0;
 
+/// Ceilings of what is measured at the scanner's pace, by [`APPROACHES`]: thousands of instructions from
+/// the last byte of a row to its labels, bytes in the queue at [`BOARD_MHZ`], and the slowest processor
+/// that loses nothing, MHz.
+const PACED_MOST: [(f64, u32, u32); 3] = [(650.0, 120, 84), (1020.0, 135, 90), (1160.0, 190, 126)];
+
 /// The interrupt of each byte and its queue take some 80 instructions per point of those of the MPS2.
 ///
 /// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet
@@ -319,7 +324,8 @@ impl Machine {
         println!("           {summary:?}, {bytes} bytes equal");
         println!("           dearest row {:.0} 000 instructions, dearest end {:.0} 000", figures.row, figures.end);
         if self.wiring == Wiring::Apart {
-            let Figures { deepest, lost, .. } = figures;
+            let Figures { deepest, lost, latency, .. } = figures;
+            println!("           from the last byte of a row to its labels {latency:.0} 000 instructions");
             print!("           at {BOARD_MHZ} MHz {lost} bytes lost, deepest queue {deepest} of {ROOM} bytes");
             match slowest_mhz {
                 Some((loses, follows)) => println!("; bytes are lost at {loses} MHz, none at {follows}"),
@@ -328,7 +334,17 @@ impl Machine {
         }
         let &Most(most, most_flash, most_memory) = most;
         let row_most = ROW_MOST[usize::from(self.wiring == Wiring::Shared)][approach];
-        let good = (0.0..=most).contains(&figures.labels)
+        let (latency_most, deepest_most, mhz_most) = PACED_MOST[approach];
+        let follows = slowest_mhz.map_or(0, |(_, follows)| follows);
+        let paced = figures.latency <= latency_most && figures.deepest <= deepest_most && follows <= mhz_most;
+        if !paced {
+            println!(
+                "{}: above {latency_most} 000 instructions to the labels, a queue of {deepest_most} bytes, or {mhz_most} MHz",
+                self.core
+            );
+        }
+        let good = paced
+            && (0.0..=most).contains(&figures.labels)
             && figures.row <= row_most
             && size.flash() <= most_flash
             && memory <= most_memory
