@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What each rule of the default is worth: correct detections (T = 0.8, %) at 0, 5 and 10 mm with the
 # rule switched off, on the tuning and the validation scenes; and the recorded scans with known
-# planes, where ../shared/data is there. Some two minutes.
+# planes, where ../shared/data is there: of the corridor the mean of 16 draws of half a millimetre of noise. Some five minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet -p scanseg-sim --example quality
@@ -11,7 +11,7 @@ line() { # name, then rules that are changed: RULE=NUMBER
     printf '%-44s' "$1"
     "${CARGO_TARGET_DIR:-target}/release/examples/quality" default "${@:2}" | awk '
         $1 == "default" { printf " %6s", $4 }
-        /mean best/ { printf " %6s", $6 }
+        /on average/ { printf " %6s", $3 }
         /correct at/ { printf "  %s/%s", $2, $4 }
         END { print "" }'
 }

@@ -5,6 +5,7 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -211,6 +212,10 @@ def header(i, frame):
     return Header(Time(1000 + i // 10, i % 10 * 100_000_000), frame)
 
 
+def number(header):
+    return (header.stamp.sec - 1000) * 10 + header.stamp.nanosec // 100_000_000
+
+
 def depths_m():
     """A wall 2 m ahead, and a board 1.5 m ahead in its middle."""
     v, u = np.mgrid[:ROWS, :COLUMNS]
@@ -276,11 +281,18 @@ def taken(reader):
     return [sample for sample in reader.take(100) if not isinstance(sample, InvalidSample)]
 
 
+def begin(*arguments):
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
+    return subprocess.Popen([SCANSEG, "ros2", *arguments], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+COUNTS = r"lost (\d+) messages, (\d+) too slow, (\d+) strange, (\d+) not sent"
+
+
 def run(topic, scans, writers, send, pause_s, qos):
     """Sends until the program has enough scans. Returns its last line, and what came of it."""
     points, planes = listen("/scanseg/points", PointCloud2, qos), listen("/scanseg/planes", MarkerArray, qos)
-    arguments = [SCANSEG, "ros2", topic, "--scans", str(scans), "--range-noise-m", "0.005"]
-    program = subprocess.Popen(arguments, env={**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}, stdout=subprocess.PIPE, text=True)
+    program = begin(topic, "--scans", str(scans), "--range-noise-m", "0.005")
     try:
         until(lambda: all(map(matched, writers)) and points.get_matched_publications(), f"{topic}: nobody was found")
         clouds, markers, sent = [], [], 0
@@ -298,7 +310,7 @@ def run(topic, scans, writers, send, pause_s, qos):
         program.kill()
     good(program.returncode == 0, f"{topic}: exit code {program.returncode}")
     good(len(lines) == scans + 2, lines)
-    lost, slow, strange, unsent = map(int, re.search(r"lost (\d+) messages, (\d+) too slow, (\d+) strange, (\d+) not sent", lines[-1]).groups())
+    lost, slow, strange, unsent = map(int, re.search(COUNTS, lines[-1]).groups())
     print(f"{topic}: {sent} messages sent, {scans} scans taken, {lost} lost, {slow} too slow; of theirs {len(clouds)} clouds and {len(markers)} lists of planes came back")
     return lines, clouds, markers, sent, lost + slow, unsent
 
@@ -331,6 +343,53 @@ good(SENT + lost <= sent, sent, lost)
 good(len(clouds) + unsent >= 0.8 * SENT and len(markers) + unsent >= 0.8 * SENT, "lost on the way back", len(clouds), len(markers))
 looks_like_what_was_sent(clouds, markers)
 
+
+
+def what_is_missing_is_counted():
+    """Messages come faster than they are segmented."""
+    points, sent, back = listen("/scanseg/points", PointCloud2, RELIABLE), 0, []
+    program = begin("/points", "--range-noise-m", "0.005")
+
+    def take_back():
+        back.extend(number(cloud.header) for cloud in taken(points))
+
+    def send_until_one_comes_back():
+        nonlocal sent
+        first = sent
+        while not any(i >= first for i in back):
+            good(sent < first + 200, "nothing comes back")
+            clouds_writer.write(cloud(sent))
+            sent += 1
+            time.sleep(0.1)
+            take_back()
+
+    try:
+        until(lambda: points.get_matched_publications() and matched(clouds_writer), "nobody was found")
+        send_until_one_comes_back()
+        while back[-1] - back[0] + 1 < len(back) + 5:
+            good(sent < 1000, "nothing is lost")
+            at_once = [cloud(i) for i in range(sent, sent + 40)]
+            for message in at_once:
+                clouds_writer.write(message)
+                take_back()
+            sent += 40
+            # until all that waits has come back
+            time.sleep(1)
+            take_back()
+        send_until_one_comes_back()
+        program.send_signal(signal.SIGINT)
+        lines = [line for line in program.stdout.read().splitlines() if line.startswith("scan ")]
+        good(program.wait() == 0, f"exit code {program.returncode}")
+    finally:
+        program.kill()
+    lost, slow, *_ = map(int, re.search(COUNTS, lines[-1]).groups())
+    all_sent = back[-1] - back[0] + 1
+    print(f"/points, at once: {all_sent} messages sent, {len(lines)} scans taken, {lost} lost, {slow} too slow")
+    good(lost + slow >= 5 and all_sent - len(lines) == lost + slow, "what is missing is not what was counted")
+
+
+what_is_missing_is_counted()
+
 images_writer, camera_writer = writer("/camera/image", Image, RELIABLE), writer("/camera/camera_info", CameraInfo, RELIABLE)
 
 
@@ -352,10 +411,25 @@ def send_row(i):
     joints_writer.write(joints)
 
 
+rows = listen("/scanseg/rows", PointCloud2, Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepAll))
 lines, clouds, markers, *_ = run("/scan", 3, [laser_writer, joints_writer], send_row, 0.01, RELIABLE)
 good(len(clouds) == 3, "sweeps", len(clouds))
 found = points_of(clouds[-1])
 good(found.shape[1] == 101 and 35 <= found.shape[0] <= 44, found.shape)
 good(np.allclose(found["xyz"][..., 0], 2.0, atol=0.02), "the wall is not flat")
 good(clouds[-1].header.frame_id == "laser", clouds[-1].header)
+# rows came while their sweep went on; the last ones may be on their way when the program ends
+rows = [row for row in rows.take(1000) if not isinstance(row, InvalidSample)]
+whole = sum(cloud.height for cloud in clouds)
+print(f"/scan: {len(rows)} rows came back")
+good(whole - 5 <= len(rows) <= whole + 60, "rows", len(rows), whole)
+sent_ns = [row.sample_info.source_timestamp for row in rows]
+good(sent_ns == sorted(sent_ns) and sent_ns[0] > 0, "order of the rows")
+before = sum(ns < clouds[0].sample_info.source_timestamp for ns in sent_ns)
+good(clouds[0].height - 5 <= before, "rows before their sweep", before, clouds[0].height)
+good(sent_ns[clouds[0].height // 2] + 50_000_000 < clouds[0].sample_info.source_timestamp, "rows at the end of their sweep")
+rows = [points_of(row) for row in rows]
+good(all(row.shape == (1, 101) for row in rows), "rows")
+good(np.mean([row["label"] > 0 for row in rows]) > 0.95, "rows without labels")
+good(np.allclose([row["xyz"][..., 0] for row in rows], 2.0, atol=0.02), "rows are not on the wall")
 print("good")

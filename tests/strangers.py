@@ -151,7 +151,17 @@ listed = np.column_stack([ring_points[seen], rings[seen]]).astype(np.float32)
 name = folder / "pypcd4_rings.pcd"
 PointCloud.from_points(listed, ("x", "y", "z", "ring"), (np.float32, np.float32, np.float32, np.uint16)).save(name)
 np.save(folder / "rings.npy", ring_points)
-same(name, segment(folder / "rings.npy")[0])
+ring_truth, _ = segment(folder / "rings.npy")
+same(name, ring_truth)
+for field, kind in (("ring", "u2"), ("channel", "f4")):
+    name = folder / f"plyfile_{field}.ply"
+    kinds = [("x", "f4"), ("y", "f4"), ("z", "f4"), (field, kind)]
+    PlyData([PlyElement.describe(np.array([tuple(p) for p in listed], dtype=kinds), "vertex")]).write(name)
+    same(name, ring_truth)
+name = folder / "plyfile_one_ring.ply"
+of_one = listed[listed[:, 3] == 7]
+PlyData([PlyElement.describe(np.array([tuple(p) for p in of_one], dtype=kinds), "vertex")]).write(name)
+refused(name, "without rows and columns")
 
 import pye57
 

@@ -100,6 +100,20 @@ def field(name, offset):
 cloud = T["sensor_msgs/msg/PointCloud2"](
     header=header("map"), height=60, width=80, fields=[field(n, 4 * i) for i, n in enumerate("xyz")],
     is_bigendian=False, point_step=12, row_step=960, data=np.frombuffer(points.tobytes(), np.uint8), is_dense=True)
+# as drivers of spinning lidars have it: a list, each point with its ring, what has no return left out
+elevation, azimuth = np.radians(np.linspace(15, -15, 16)), np.radians(180 - 0.5 * np.arange(720))
+lidar = np.stack([np.cos(elevation)[:, None] * np.cos(azimuth), np.cos(elevation)[:, None] * np.sin(azimuth),
+                  np.sin(elevation)[:, None] + 0 * azimuth], axis=-1)
+around = lidar * (2 / np.abs(lidar[..., :2]).max(axis=-1))[..., None]
+seen = np.random.default_rng(5).random(around.shape[:2]) < 0.7
+ringed = np.zeros(seen.sum(), np.dtype([("xyz", "<f4", 3), ("intensity", "<f4"), ("ring", "<u2")]))
+ringed["xyz"], ringed["ring"] = around[seen], np.broadcast_to(np.arange(16)[::-1, None], seen.shape)[seen]
+ringed = ringed[np.random.default_rng(6).permutation(len(ringed))]
+ring_fields = [field(n, 4 * i) for i, n in enumerate(("x", "y", "z", "intensity"))]
+ring_fields.append(T["sensor_msgs/msg/PointField"](name="ring", offset=16, datatype=4, count=1))
+rings = T["sensor_msgs/msg/PointCloud2"](
+    header=header("velodyne"), height=1, width=len(ringed), fields=ring_fields, is_bigendian=False, point_step=18,
+    row_step=18 * len(ringed), data=np.frombuffer(ringed.tobytes(), np.uint8), is_dense=True)
 image = T["sensor_msgs/msg/Image"](
     header=header("camera"), height=60, width=80, encoding="16UC1", is_bigendian=0, step=160,
     data=np.frombuffer(depth_mm.tobytes(), np.uint8))
@@ -110,6 +124,12 @@ info = T["sensor_msgs/msg/CameraInfo"](
 
 write(folder / "clouds", [("/points", "sensor_msgs/msg/PointCloud2", 1, cloud)])
 walls(segment(folder / "clouds"), [2.0, 3.0], "clouds (rosbags, SQLite, a folder)")
+write(folder / "rings", [("/points", "sensor_msgs/msg/PointCloud2", 1, rings)])
+found = segment(folder / "rings")
+large = [s for s in found if s["pixels"] > 1000]
+assert [round(s["distance_m"], 2) for s in large] == [2.0] * 4, large
+assert {s["last_row"] - s["first_row"] for s in large} == {15} and sum(s["pixels"] for s in large) > 0.97 * len(ringed), large
+print("read: list with rings (rosbags, SQLite): 16 rows, 4 walls")
 both = [("/camera/camera_info", "sensor_msgs/msg/CameraInfo", 1, info), ("/camera/depth", "sensor_msgs/msg/Image", 1, image),
         ("/points", "sensor_msgs/msg/PointCloud2", 1, cloud)]
 write(folder / "both", both)

@@ -13,7 +13,7 @@ use scanseg_fuzz::scan_file;
 fuzz_target!(|data: &[u8]| {
     let Some((&kind, data)) = data.split_first() else { return };
     let options = ReadOptions::default();
-    match kind % 6 {
+    match kind % 7 {
         // whatever it is
         0 => scan_file::read(data, &options),
         1 => scan_file::read(&organised(data, false), &options),
@@ -25,7 +25,8 @@ fuzz_target!(|data: &[u8]| {
             fs::write(&path, data).expect("a file");
             scan_file::read(&image.to_png(), &ReadOptions { geometry: Some(path), ..options });
         }
-        _ => scan_file::read(&patched(data), &options),
+        5 => scan_file::read(&patched(data), &options),
+        _ => scan_file::read(&listed(data), &options),
     }
 });
 
@@ -45,10 +46,30 @@ fn organised(data: &[u8], packed: bool) -> Vec<u8> {
         bytes.extend((12 * (rows * columns) as u32).to_le_bytes());
         bytes.extend(data);
     } else {
-        let number = |byte: &u8| if *byte == 0 { f32::NAN } else { (f32::from(*byte) - 100.0) / 16.0 };
-        bytes.extend(data.iter().take(3 * rows * columns).flat_map(|byte| number(byte).to_le_bytes()));
+        bytes.extend(data.iter().take(3 * rows * columns).flat_map(|byte| number(*byte).to_le_bytes()));
     }
     bytes
+}
+
+/// A PCD of points without rows and columns, each with its ring: a byte for each coordinate, and one for
+/// the ring.
+fn listed(data: &[u8]) -> Vec<u8> {
+    let points = data.as_chunks::<4>().0;
+    let count = points.len();
+    let mut bytes = format!(
+        "VERSION .7\nFIELDS x y z ring\nSIZE 4 4 4 1\nTYPE F F F U\nWIDTH {count}\nHEIGHT 1\nPOINTS {count}\nDATA binary\n"
+    )
+    .into_bytes();
+    for [x, y, z, ring] in points {
+        bytes.extend([x, y, z].into_iter().flat_map(|byte| number(*byte).to_le_bytes()));
+        bytes.push(*ring);
+    }
+    bytes
+}
+
+/// A small number; none for 0.
+fn number(byte: u8) -> f32 {
+    if byte == 0 { f32::NAN } else { (f32::from(byte) - 100.0) / 16.0 }
 }
 
 /// An array of NumPy: its header up to a zero.

@@ -12,7 +12,10 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use scanseg_formats::lidar::Datagrams;
+use scanseg_core::{Approach, PlaneConfig};
+use scanseg_formats::lidar::{Assembler, Datagrams, FiringRows, read_metadata};
+use scanseg_formats::{Angles, Kind, RangeImage};
+use scanseg_sim::segmentation::{Segmentation, ranging_of};
 
 use program::{fails, folder};
 use recorded::recorded;
@@ -152,6 +155,51 @@ fn a_recorded_ouster_is_replayed() {
     let of_all = lines.iter().map(|line| numbers(line)[0]).sum::<usize>() + numbers(&lines[2])[2];
     assert_eq!(of_all, 3 * 1024);
     assert!(lines.iter().all(|line| numbers(line)[1] > 50));
+}
+
+/// Firings as rows find as much as the image of the turn, in which rings are rows.
+#[test]
+fn turns_of_an_ouster_have_as_much_on_planes_as_their_images() {
+    let Some(data) = recorded("ouster-os1").zip(recorded("ouster-os0")) else { return };
+    for (capture, metadata) in [
+        (data.0.join("OS-1-128_v2.3.0_1024x10_lb_n3.pcap"), data.0.join("OS-1-128_v2.3.0_1024x10.json")),
+        (data.1.join("OS-0-128-U1_v2.3.0_1024x10.pcap"), data.1.join("metadata.json")),
+    ] {
+        let metadata = read_metadata(&metadata).unwrap();
+        let (mut assembler, mut rows, mut image) = (Assembler::new(metadata.clone()), None, None);
+        let (mut turn_deg, mut range_m, mut turns) = (vec![], vec![], 0);
+        let mut datagrams = Datagrams::new(File::open(capture).unwrap()).unwrap();
+        while let Some(datagram) = datagrams.next_datagram().unwrap() {
+            image = image.or(assembler.push(datagram.payload));
+            if rows.is_none() {
+                rows = FiringRows::of(datagram.payload, Some(&metadata)).ok();
+            }
+            let Some(rows) = &mut rows else { continue };
+            rows.push(datagram.payload, |row| {
+                turns += usize::from(row.begins_turn);
+                if turns == 1 {
+                    turn_deg.push(row.turn_deg);
+                    range_m.extend_from_slice(row.range_m);
+                }
+            });
+        }
+        let rows = rows.unwrap();
+        let mut geometry = rows.geometry();
+        if let Kind::Nodding { turn_deg: turns, .. } = &mut geometry.kind {
+            *turns = Angles::Listed(turn_deg);
+        }
+        let firings = RangeImage { rows: range_m.len() / rows.columns(), columns: rows.columns(), range_m };
+        let (image, of_image) = metadata.image(&image.or(assembler.finish()).unwrap());
+        let [live, file] = [(&firings, &geometry, true), (&image, &of_image, false)].map(|(image, geometry, round)| {
+            let config = PlaneConfig::new(ranging_of(geometry, Approach::Plane));
+            let config = if round { config.with_full_turns() } else { config };
+            let found = Segmentation::of(image, geometry, config, None, || ()).unwrap();
+            let on_planes = found.of_pixels(30).iter().filter(|segment| segment.plane().is_some());
+            on_planes.map(|segment| segment.pixels()).sum::<u32>()
+        });
+        println!("on planes: {live} of firings, {file} of the image");
+        assert!(f64::from(live) > 0.95 * f64::from(file), "{live} {file}");
+    }
 }
 
 #[test]

@@ -103,6 +103,15 @@ fn a_list_of_points_with_their_ring_has_rows() {
     assert_eq!(scan.image.rows, 15);
     assert!((1800..=1815).contains(&scan.image.columns), "{}", scan.image.columns);
     assert!(scan.measured > 14_831 - 1298 - 150, "{}", scan.measured);
+
+    // the half of the pixels that has no return must not make rows of the rest
+    let folder = folder("rings");
+    let file = data.join("vlp16_1673400472138016708.pcd");
+    succeeds(&folder, &format!("segment {} --sensor velodyne-vlp16 --out out", file.display()));
+    let table = fs::read_to_string(folder.join("out/segments.csv")).unwrap();
+    let distances = table.lines().skip(1).map(|line| line.split(',').nth(12).unwrap());
+    let (planes, none): (Vec<_>, Vec<_>) = distances.partition(|distance_m| !distance_m.is_empty());
+    assert!(planes.len() > 70 && none.len() <= 5, "{} {}", planes.len(), none.len());
 }
 
 #[test]

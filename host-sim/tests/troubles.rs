@@ -1,6 +1,7 @@
 //! Each trouble of the simulated office does what it says, and nothing else.
 
 use scanseg_sim::office::{Missing, Scene, Sensor, Set, SimulatedScan, Trouble};
+use std::collections::{BTreeMap, BTreeSet};
 
 const ROWS: usize = 100;
 const COLUMNS: usize = 181;
@@ -160,6 +161,60 @@ fn halls_are_long() {
         ids.dedup();
         assert!(ids.len() > 15, "{number}: {} surfaces", ids.len());
     }
+}
+
+/// A unit normal, and how far along it a plane is.
+type Flat = ([f64; 3], f64);
+
+/// Pixels of each surface of a scan, and its plane.
+fn planes_seen(scene: &Scene, scan: &SimulatedScan) -> Vec<(usize, Option<Flat>)> {
+    let mut pixels = BTreeMap::new();
+    scan.truth.iter().filter(|&&id| id != 0).for_each(|&id| *pixels.entry(id).or_insert(0) += 1);
+    pixels.into_iter().map(|(id, pixels)| (pixels, scene.plane(id))).collect()
+}
+
+#[test]
+fn attics_have_sloped_roofs_and_stairs() {
+    for number in 0..10 {
+        let attic = Scene::attic(Set::Validation, number);
+        let scan = attic.scan(&Sensor::nodding(200, 361), 0).unwrap();
+        let large = planes_seen(&attic, &scan).into_iter().filter(|(pixels, _)| *pixels >= 30);
+        let planes: Vec<_> = large.filter_map(|(pixels, plane)| Some((pixels, plane?))).collect();
+        let slopes = planes.iter().filter(|(pixels, (n, _))| *pixels > 1000 && n[2] < -0.6 && n[2] > -0.9).count();
+        assert_eq!(slopes, 2, "{number}");
+        // at a common incline: what faces up lies ever higher
+        let levels: BTreeSet<_> =
+            planes.iter().filter(|(_, (n, _))| n[2] > 0.999).map(|(_, (_, d))| (d * 100.0).round() as i64).collect();
+        assert!(levels.len() >= 3, "{number}: {levels:?}");
+        assert!(scan.range_m.iter().all(|&range_m| range_m == 0.0 || range_m > 0.25), "{number}: in something");
+    }
+}
+
+#[test]
+fn streets_have_fronts_pavements_trees_and_a_sky() {
+    for number in 0..10 {
+        let street = Scene::street(Set::Validation, number);
+        let sensor = Sensor { quantisation_m: 0.001, ..Sensor::nodding(200, 361) };
+        let scan = street.scan(&sensor, 0).unwrap();
+        let planes = planes_seen(&street, &scan);
+        let fronts = planes
+            .iter()
+            .filter(|(pixels, plane)| *pixels > 500 && plane.is_some_and(|(n, _)| n[2].abs() < 1e-9))
+            .count();
+        assert!(fronts >= 3, "{number}: {fronts}");
+        let ground = planes.iter().filter(|(pixels, plane)| *pixels > 500 && plane.is_some_and(|(n, _)| n[2] > 0.999));
+        let mut depths_m: Vec<_> = ground.map(|(_, plane)| plane.unwrap().1).collect();
+        depths_m.sort_by(f64::total_cmp);
+        assert!(depths_m.len() >= 2 && (depths_m[1] - depths_m[0] - 0.12).abs() < 1e-9, "{number}: {depths_m:?}");
+        let sky = scan.truth.iter().filter(|&&id| id == 0).count();
+        assert!((4000..40_000).contains(&sky), "{number}: {sky}");
+        assert!(scan.range_m.iter().all(|&range_m| range_m == 0.0 || range_m > 0.5), "{number}: in something");
+    }
+    // leaves are too small to count
+    let street = Scene::street(Set::Validation, 0);
+    let scan = street.scan(&Sensor::nodding(200, 361), 0).unwrap();
+    let small = planes_seen(&street, &scan).into_iter().filter(|(pixels, _)| *pixels < 30).count();
+    assert!(small > 100, "{small}");
 }
 
 #[test]

@@ -174,7 +174,7 @@ mod tests {
     fn canonical_labels() {
         assert_eq!(canonical(&[0, 7, 7, 3, 0, 7, 9, 3]), [0, 1, 1, 2, 0, 1, 3, 2]);
         assert_eq!(canonical(&[5, 0]), [1, 0]);
-        assert_eq!(canonical(&[]), []);
+        assert!(canonical(&[]).is_empty());
         assert_ne!(canonical(&[4, 4, 2]), canonical(&[4, 2, 2]));
     }
 }

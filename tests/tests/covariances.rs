@@ -188,6 +188,26 @@ fn walls_without_noise_have_a_covariance() {
     }
 }
 
+/// What a row shares it shares across missing pixels: a floor of which every sixth column is missing
+/// is known as well as the whole one, where the turns of its rows are what is not known.
+#[test]
+fn rows_with_missing_pixels_share_their_turn() {
+    let distance_m2 = |is_missing: fn(usize) -> bool| {
+        let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.5, step_rad: 1.0 / 60.0 }, axis: TurnAxis::Y };
+        let turn_rad = (0..30).map(|row| (row as f32 - 50.0).to_radians()).collect();
+        let mut scan = Scan::of(61, turn_rad, rig, |[_, _, z]| -1.0 / z);
+        for (_, range_m) in scan.range_m.iter_mut().enumerate().filter(|(i, _)| is_missing(i % 61)) {
+            *range_m = 0.0;
+        }
+        let ranging = Ranging::new(NOISE_M as f32).with_turn_noise_rad(0.01);
+        let segments = scan.record(PlaneConfig::new(ranging), 122).segments();
+        let plane = segments[&1].plane().expect("a floor");
+        plane.covariance[3][3]
+    };
+    let (whole, holed) = (distance_m2(|_| false), distance_m2(|column| column % 6 == 3));
+    assert!((0.9..1.2).contains(&(holed / whole)), "{whole} {holed}");
+}
+
 const DRAWS: u64 = 200;
 
 /// At noise alone. 3 would be right; less is expected, because the default adds to the noise that is

@@ -20,6 +20,8 @@ fn residuals_that_are_larger_than_the_noise_count() {
     let usual = ahead(1000, weight, 900.0).plane(1000).unwrap();
     assert_sound(&usual);
     assert_eq!((usual.normal, usual.distance_m), ([-1.0, 0.0, 0.0], 2.0));
+    // at the middle of the points the plane is met 2 m / 0.98 away
+    assert!((usual.rms_m - (900f32 / 1000.0 / weight).sqrt() * 4.0 / 0.98).abs() < 1e-6, "{usual:?}");
     // of the distance along the mean beam: that of the mean range
     let expected =
         [0.0, 4.0 / (0.02 * weight * 1000.0), 4.0 / (0.01 * weight * 1000.0), 16.0 / (0.96 * weight * 1000.0)];

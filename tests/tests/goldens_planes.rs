@@ -201,6 +201,23 @@ fn first_row() {
     assert_eq!(given_out(&scan, &CONFIG), Picture::parse("|bbbbaaaaa|"));
 }
 
+/// A line may belong to one of the first eight areas that it touches: in the second row, where none has
+/// a plane yet, to the wall at the end of eight pieces, but not of nine.
+#[test]
+fn eighth_area_above_a_line() {
+    let wall_behind = |boards: usize| {
+        let mut scan = scanner(4, 32, 0.0, |[x, _, _]| 4.0 / x);
+        for (column, range_m) in scan.range_m.iter_mut().enumerate().take(3 * boards) {
+            *range_m *= if (column / 3).is_multiple_of(2) { 0.25 } else { 0.45 };
+        }
+        labels(&scan, &CONFIG)
+    };
+    let seven = "|aaabbbcccdddeeefffggghhhhhhhhhhh|\n".to_owned() + &"|hhhhhhhhhhhhhhhhhhhhhhhhhhhhhhhh|\n".repeat(3);
+    assert_eq!(wall_behind(7), Picture::parse(&seven));
+    let eight = "|aaabbbcccdddeeefffggghhhiiiiiiii|\n".to_owned() + &"|jjjjjjjjjjjjjjjjjjjjjjjjjjjjjjjj|\n".repeat(3);
+    assert_eq!(wall_behind(8), Picture::parse(&eight));
+}
+
 /// A fold of 20 deg between two walls, in noise of 2 mm: two surfaces, within a pixel or two.
 #[test]
 #[cfg_attr(miri, ignore = "slow")]

@@ -244,22 +244,26 @@ fn origin_beside_the_axis() {
     }
 }
 
-/// A spinning lidar whose rows are its firings: lasers up to 0.4 deg beside one another.
+/// A spinning lidar whose rows are its firings: lasers up to 0.4 deg beside one another. It does not
+/// matter where in the turn the encoder has its 0.
 #[test]
 fn firings() {
-    let angles_rad: Vec<f32> = (0..64).map(|i| (20.0 - 0.6 * i as f32).to_radians()).collect();
-    let turns_rad: Vec<f32> = (0..64).map(|i| [-0.4f32, 0.1, 0.4, -0.1][i % 4].to_radians()).collect();
-    let azimuth_rad = |row: usize| 0.0061 * row as f32;
-    let ray = |row: usize, column: usize| {
-        let turn_rad = f64::from(azimuth_rad(row)) + f64::from(turns_rad[column]);
-        [nodding(angles_rad[column].into(), turn_rad, TurnAxis::Z), [0.0; 3]]
-    };
-    let columns = Columns::Beside { angles_rad: &angles_rad, turns_rad: &turns_rad };
-    let rows = (0..1030).map(|row| RowBeams::from(azimuth_rad(row))).collect();
-    let beams = Beams::Nodding { columns, axis: TurnAxis::Z };
-    let scanner = Scanner { beams, rows, columns: 64, ray: &ray };
-    let (least, farthest) = scanner.least(default(), NOISE_M.into());
-    assert!(least > 0.97 && farthest < 0.002, "{least} {farthest}");
+    for encoder_deg in [0.0f32, 3.0, -20.0] {
+        let angles_rad: Vec<f32> = (0..64).map(|i| (20.0 - 0.6 * i as f32).to_radians()).collect();
+        let turns_rad: Vec<f32> =
+            (0..64).map(|i| ([-0.4f32, 0.1, 0.4, -0.1][i % 4] + encoder_deg).to_radians()).collect();
+        let azimuth_rad = |row: usize| 0.0061 * row as f32 - encoder_deg.to_radians();
+        let ray = |row: usize, column: usize| {
+            let turn_rad = f64::from(azimuth_rad(row)) + f64::from(turns_rad[column]);
+            [nodding(angles_rad[column].into(), turn_rad, TurnAxis::Z), [0.0; 3]]
+        };
+        let columns = Columns::Beside { angles_rad: &angles_rad, turns_rad: &turns_rad };
+        let rows = (0..1030).map(|row| RowBeams::from(azimuth_rad(row))).collect();
+        let beams = Beams::Nodding { columns, axis: TurnAxis::Z };
+        let scanner = Scanner { beams, rows, columns: 64, ray: &ray };
+        let (least, farthest) = scanner.least(default(), NOISE_M.into());
+        assert!(least > 0.97 && farthest < 0.002, "{encoder_deg}: {least} {farthest}");
+    }
 }
 
 /// Turn after turn of a lidar that begins in the middle of a wall: the wall is one segment, and each
@@ -295,6 +299,48 @@ fn full_turns() {
 }
 
 const TURNS: PlaneConfig = PlaneConfig::new(Ranging::new(NOISE_M)).with_full_turns();
+
+/// Rings of a spinning lidar with half of the returns missing, given direction by direction: where beams
+/// without a return are said to point does not matter, and walls are found.
+#[test]
+fn free_directions_without_a_return() {
+    let elevation_rad = |row: usize| (15.0 - 2.0 * row as f32).to_radians();
+    let ray = |row: usize, column: usize| {
+        let azimuth_rad = core::f64::consts::TAU / COLUMNS as f64 * column as f64;
+        [spinning(azimuth_rad, elevation_rad(row).into()), [0.0; 3]]
+    };
+    let rows = (0..16).map(|row| RowBeams::from(elevation_rad(row))).collect();
+    let beams = Beams::Spinning { columns: even(), wraps: false };
+    let (_, mut range_m) = Scanner { beams, rows, columns: COLUMNS, ray: &ray }.scan(NOISE_M.into());
+    let mut state = 1u32;
+    let mut missing = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 31 == 1
+    };
+    range_m.iter_mut().filter(|_| missing()).for_each(|range_m| *range_m = 0.0);
+    let found = [[1.0, 0.0, 0.0], [0.0; 3], [f32::NAN; 3], [0.0, 0.0, -7.0]].map(|nowhere| {
+        let mut found = Found::default();
+        let config = PlaneConfig::new(Ranging::new(NOISE_M));
+        let sizes = config.sizes_with(COLUMNS, 2 * COLUMNS);
+        let (mut numbers, mut halves) = (vec![0.0; sizes.numbers], vec![0; sizes.halves]);
+        let (mut words, mut areas) = (vec![0; sizes.words], vec![scanseg_core::Area::EMPTY; sizes.areas]);
+        let memory = Memory { numbers: &mut numbers, halves: &mut halves, words: &mut words, areas: &mut areas };
+        let mut segmenter = PlaneSegmenter::new(config, Beams::Free { wraps: true }, COLUMNS, memory).unwrap();
+        for (row, ranges_m) in range_m.chunks(COLUMNS).enumerate() {
+            let direction = |(column, range_m): (usize, &f32)| {
+                if *range_m > 0.0 { ray(row, column)[0].map(|x| x as f32) } else { nowhere }
+            };
+            let directions: Vec<_> = ranges_m.iter().enumerate().map(direction).collect();
+            segmenter.push_row(ranges_m, RowBeams::free(&directions), &mut found).unwrap();
+        }
+        segmenter.finish(&mut found);
+        (found.labels, found.segments)
+    });
+    assert!(found.iter().all(|other| other.0 == found[0].0 && other.1.len() == found[0].1.len()));
+    let on_planes: u32 = found[0].1.values().filter(|s| s.plane().is_some()).map(|s| s.pixels()).sum();
+    let returns = range_m.iter().filter(|range_m| **range_m > 0.0).count();
+    assert!(f64::from(on_planes) > 0.9 * returns as f64, "{on_planes} of {returns}");
+}
 
 /// The directions of all pixels, given one by one, are as good as what made them.
 #[test]

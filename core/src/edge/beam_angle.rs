@@ -109,6 +109,14 @@ impl Fan<'_> {
         let offset = isize::from(trace.columns);
         let turn_rad = now.beams.turn_rad - before.beams.turn_rad;
         if [now, before].iter().any(|at| !self.is_plain(&at.beams)) {
+            // an offset of a ring is no more than another difference of azimuths
+            if let Beams::Spinning { columns: Columns::Even { step_rad, .. }, .. } = self.beams
+                && [now, before].iter().all(|at| at.beams.lever_arm_m == 0.0)
+            {
+                let [e1, e0] = [now, before].map(|at| cos_sin(at.beams.turn_rad).0);
+                let azimuth_rad = offset as f32 * step_rad + now.beams.offset_rad - before.beams.offset_rad;
+                return Pair::Same(BeamAngle::from_vers(vers(turn_rad) + e1 * e0 * vers(azimuth_rad)));
+            }
             let Beams::Nodding { columns: Columns::Even { step_rad, .. }, .. } = self.beams else {
                 return Pair::Rays { offset };
             };

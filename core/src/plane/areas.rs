@@ -279,3 +279,41 @@ impl<'a> Areas<'a> {
         ControlFlow::Continue(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sink::LabelRow;
+
+    struct Nothing;
+    impl Sink for Nothing {
+        fn row(&mut self, _: &LabelRow<'_>) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// The slot of a new area in a full table of 100: those from `ended` on have ended, later ones
+    /// are smaller.
+    fn vacant_where(ended: u16) -> u16 {
+        let (mut table, mut pairs) = ([Area::EMPTY; 100], [0; 16]);
+        let mut areas = Areas::new(&mut table, Tried::new(&mut pairs), [0.0; 3], &Rules::TUNED, false);
+        areas.reset();
+        for slot in 0..100 {
+            assert_eq!(areas.begin(&(0..4), &Fitted::default(), 200 - slot), slot as u16);
+        }
+        areas.row = 1;
+        (0..ended).for_each(|slot| areas.carry(slot));
+        assert!(areas.close(false, &mut Nothing).is_continue());
+        areas.begin(&(0..4), &Fitted::default(), 30)
+    }
+
+    /// The smallest of the next eight that have ended is given up, of the next 64 in all; what has
+    /// not ended stays.
+    #[test]
+    fn the_smallest_of_the_next_ones() {
+        assert_eq!(vacant_where(0), 8);
+        assert_eq!(vacant_where(20), 27);
+        assert_eq!(vacant_where(63), 64);
+        assert_eq!(vacant_where(65), FULL);
+    }
+}

@@ -281,3 +281,33 @@ impl Best {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both ways through a chunk find the same, whatever comes: targets that work on one number at a
+    /// time find what others do.
+    #[test]
+    fn one_by_one_is_side_by_side() {
+        let mut random = 1u64;
+        let mut below = |most: u64| {
+            random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (random >> 33) % most
+        };
+        let prices = Prices { off_plane: 10.0, left: 2.75, leave: 12.0, share: 0.5 };
+        for rough in [2, 9, 30, 200] {
+            let (mut one, mut all) = (prices.leave, prices.leave);
+            for _ in 0..100 {
+                let width = CHUNK - if below(3) == 0 { below(CHUNK as u64) as usize } else { 0 };
+                let mut range_m = [0.0; CHUNK];
+                range_m[..width].fill_with(|| if below(8) == 0 { 0.0 } else { 2.0 });
+                let mut errors = [FAR; CHUNK];
+                errors[..width].fill_with(|| if below(20) == 0 { FAR } else { below(rough) as f32 });
+                let found = one_by_one(&mut one, &errors, &range_m, width, &prices);
+                assert_eq!(found, side_by_side(&mut all, &errors, &range_m, width, &prices), "{errors:?} {range_m:?}");
+                assert_eq!(one, all);
+            }
+        }
+    }
+}

@@ -186,3 +186,63 @@ fn touched(above: &[u16], run: &Range<usize>) -> ([(u16, u32); TRIED_AREAS], usi
     }
     (touched, count)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::area::Area;
+    use crate::config::Ranging;
+    use crate::plane::rules::Rules;
+    use crate::plane::tried::Tried;
+
+    /// Points of hardly any weight, at the mean beam c, on the plane m.
+    fn light(c: [f32; 3], m: [f32; 3]) -> Fitted {
+        let mut numbers = [0.0; 15];
+        (numbers[0], numbers[1]) = (1e-6, 1e-6);
+        numbers[2..5].copy_from_slice(&c);
+        numbers[11..14].copy_from_slice(&m);
+        Fitted::from_numbers(numbers)
+    }
+
+    /// Whether a line that fits anywhere is not refused for its range: the plane 1 m ahead, and an
+    /// area on one `ratio` times as far. `cos`: of the incidence of its mean beam.
+    fn takes(cos: f32, ratio: f32, points: u32) -> bool {
+        let (mut table, mut pairs) = ([Area::EMPTY; 2], [0; 16]);
+        let mut areas = Areas::new(&mut table, Tried::new(&mut pairs), [0.0; 3], &Rules::TUNED, false);
+        areas.reset();
+        let c = [cos, (1.0 - cos * cos).sqrt(), 0.0];
+        let slot = areas.begin(&(0..20), &light(c, [1.0 / ratio, 0.0, 0.0]), 20);
+        areas.takes(slot, &light(c, [1.0, 0.0, 0.0]), points).is_some()
+    }
+
+    /// A line at more than 1.5 times the range of an area, or an area at more than 1.5 times that of
+    /// a line, is another surface. Of 8 pixels on that counts only where the range is told: up to 84
+    /// deg of incidence.
+    #[test]
+    fn lines_of_another_range() {
+        assert_eq!([1.45, 1.55, 1.0 / 1.45, 1.0 / 1.55].map(|ratio| takes(1.0, ratio, 1)), [true, false, true, false]);
+        assert_eq!([7, 8].map(|points| takes(0.05, 2.0, points)), [false, true]);
+        assert_eq!([0.09, 0.11, -0.5].map(|cos| takes(cos, 2.0, 8)), [true, false, true]);
+    }
+
+    /// Two walls of 1000 points one behind the other, 4 m and 4.3 m away, are one that the scanner
+    /// bends where 30 cm are less than 2.4 standard deviations of the noise at 4 m.
+    #[test]
+    fn a_step_at_the_noise_of_its_range() {
+        let bends = |per_m2: f32, points: u32| {
+            let (mut table, mut pairs) = ([Area::EMPTY; 2], [0; 16]);
+            let mut areas = Areas::new(&mut table, Tried::new(&mut pairs), [0.0; 3], &Rules::TUNED, false);
+            areas.reset();
+            let walls = [4.0, 4.3].map(|range_m| {
+                let wall = light([1.0, 0.0, 0.0], [1.0 / range_m, 0.0, 0.0]);
+                let slot = areas.begin(&(0..50), &wall, points / 2);
+                areas.row += 1;
+                areas.extend(slot, &(0..50), &wall, points - points / 2);
+                slot
+            });
+            let variance = Variance::stated(&Ranging::new(0.0).with_growing_noise(0.0, per_m2), 0.0015);
+            areas.bends(walls[0], walls[1], [1.0, 0.0, 0.0], &variance).is_some()
+        };
+        assert_eq!([bends(0.01, 1000), bends(0.006, 1000), bends(0.01, 999)], [true, false, false]);
+    }
+}

@@ -83,7 +83,10 @@ impl Measured {
     fn look_at_chunk(&mut self, row: &Scanline, lanes: &Lanes) {
         let (c, s) = (&lanes.cos, &lanes.sin);
         let sine = |to: usize, from: usize| s[to] * c[from] - c[to] * s[from];
-        let step = sine(1, 0).abs();
+        // free beams without a return may point anywhere
+        let both = |i: &usize| lanes.range_m[*i] > 0.0 && lanes.range_m[*i + 1] > 0.0;
+        let first = if row.fan.is_free() { (0..CHUNK - 1).find(both).unwrap_or(0) } else { 0 };
+        let step = sine((first + 1) % CHUNK, first % CHUNK).abs();
         let ahead = REACHES.into_iter().find(|&n| n as f32 * step < REACH_RAD).unwrap_or(2);
         let inverse = lanes.range_m.map(|r| if r > 0.0 { 1.0 / r } else { 0.0 });
         let mut squares = [-1.0f32; CHUNK];

@@ -99,3 +99,18 @@ fn join_at<S: Sink + ?Sized>(
     }
     ControlFlow::Continue(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_pairs_are_remembered() {
+        let mut recent = Recent { pairs: [(NONE, NONE); REMEMBERED_PAIRS], next: 0 };
+        assert!((0..8).all(|slot| recent.is_new(slot, 100)));
+        assert!((0..8).all(|slot| !recent.is_new(100, slot)));
+        // the ninth takes the place of the first
+        assert!(recent.is_new(8, 100) && recent.is_new(0, 100));
+        assert!((2..9).all(|slot| !recent.is_new(slot, 100)));
+    }
+}

@@ -96,6 +96,12 @@ impl Weighing {
             }
             return;
         }
+        self.add_each(first, from, to, lanes, sums);
+    }
+
+    /// The same pixel after pixel: for targets that work on one number at a time.
+    #[inline(always)]
+    fn add_each(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
         let Lanes { cos, sin, beside, range_m } = lanes;
         let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
         for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
@@ -275,5 +281,51 @@ impl Scanline<'_> {
         let m = core::array::from_fn(|i| 0.5 * (q0 + q1) / size * middle[i] + slope * d[i]);
         let (sums, errors) = self.sums(true, run, m, cached);
         Fitted::first(sums, m, &errors)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Ranging;
+    use crate::plane::rules::Rules;
+
+    /// Both ways to add pixels give the same sums, bit for bit.
+    #[test]
+    fn one_by_one_is_side_by_side() {
+        let ranging = Ranging::new(0.005).with_growing_noise(0.0, 0.001);
+        let mut lanes = Lanes::EMPTY;
+        for i in 0..CHUNK {
+            let (sin, cos) = (0.3 + 0.02 * i as f32).sin_cos();
+            (lanes.cos[i], lanes.sin[i], lanes.beside[i]) = (cos, sin, 0.01 * (i % 5) as f32);
+            lanes.range_m[i] = if i % 7 == 3 { 0.0 } else { 2.0 + 0.01 * (i * i % 11) as f32 };
+        }
+        let m = [0.4, 0.1, 0.2];
+        for beside in [false, true] {
+            let weighing = Weighing {
+                along: Along { a: m[0], b: m[1], k: 0.01, turned: m[2] },
+                steep: dot(m, m),
+                variance: Variance::stated(&ranging, 0.0015),
+                spread: Spread::new(&ranging, &Rules::TUNED),
+                alike: 4.0,
+                middle: At { cos: 0.8, sin: 0.6, beside: 0.02, range_m: 2.0 },
+                beside,
+            };
+            for (first, from, to) in [(true, 0, CHUNK), (false, 0, CHUNK), (true, 5, 9), (false, 3, 30)] {
+                let [mut each, mut eight] =
+                    [(); 2].map(|()| RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] });
+                weighing.add_each(first, from, to, &lanes, &mut each);
+                for block in 0..CHUNK / LANES {
+                    let part = [from as f32, to as f32];
+                    if first {
+                        weighing.add_eight::<true>(block, part, &lanes, &mut eight);
+                    } else {
+                        weighing.add_eight::<false>(block, part, &lanes, &mut eight);
+                    }
+                }
+                assert_eq!((each.plain, each.beside), (eight.plain, eight.beside), "{first} {from} {to}");
+                assert_eq!(each.beside != [[0.0; LANES]; 5], beside);
+            }
+        }
     }
 }

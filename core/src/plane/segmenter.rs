@@ -184,6 +184,13 @@ impl<'a> PlaneSegmenter<'a> {
         libm::sqrtf(self.measured.variance(&self.stated, self.config.rules).at(range_m))
     }
 
+    /// [`PlaneSegmenter::range_noise_m`] of many ranges. What rows have told is looked at once, which takes
+    /// longer than all of the rest.
+    pub fn range_noises_m(&self, ranges_m: &[f32]) -> impl Iterator<Item = f32> {
+        let variance = self.measured.variance(&self.stated, self.config.rules);
+        ranges_m.iter().map(move |&range_m| libm::sqrtf(variance.at(range_m)))
+    }
+
     /// The standard deviation of a range as the rows of this scan so far tell it, whatever was
     /// stated, metres; none where too few returns at about this range have come. A measurement is
     /// right to a quarter or so; less than a quarter of what was stated is not told from none.
@@ -281,7 +288,9 @@ fn scanline<'r>(
     ranges_m: &'r [f32],
     stated: &Variance,
 ) -> Scanline<'r> {
-    let (ranging, frame) = (&config.ranging, fan.frame(beam));
+    let ranging = &config.ranging;
+    // where a beam without a return points, nobody knows
+    let frame = fan.frame_of(beam, |column| ranging.clean(at(ranges_m, column)) > 0.0);
     Scanline {
         ranging,
         fan,

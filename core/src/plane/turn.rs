@@ -259,3 +259,38 @@ fn explained(samples: &[Sample], by: f32, areas: &Areas) -> (f32, bool) {
     });
     (gain, several)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::area::Area;
+    use crate::plane::tried::Tried;
+    use crate::weighted::fitted::Fitted;
+
+    /// A turn that is seen on parallel planes and on one across them: on two planes, if that one is
+    /// among the first eight.
+    #[test]
+    fn eight_planes_are_told_apart() {
+        let (mut table, mut pairs) = ([Area::EMPTY; 9], [0; 16]);
+        let mut areas = Areas::new(&mut table, Tried::new(&mut pairs), [0.0, -1.0, 0.0], &Rules::TUNED, false);
+        areas.reset();
+        let of_plane = |m: [f32; 3]| {
+            let mut numbers = [0.0; 15];
+            numbers[11..14].copy_from_slice(&m);
+            Fitted::from_numbers(numbers)
+        };
+        for i in 0..8 {
+            areas.begin(&(0..4), &of_plane([0.5 + 0.1 * i as f32, 0.0, 0.0]), 4);
+        }
+        let across = areas.begin(&(0..4), &of_plane([0.0, 0.5, 0.0]), 4);
+        // of three standard deviations each
+        let seen_on = |parallel: u16| {
+            let samples: [Sample; 9] = core::array::from_fn(|i| {
+                let slot = if i < usize::from(parallel) { i as u16 } else { across };
+                [-3.0, 1.0, f32::from(slot)]
+            });
+            explained(&samples, 3.0, &areas)
+        };
+        assert_eq!((seen_on(7), seen_on(8)), ((81.0, true), (81.0, false)));
+    }
+}

@@ -13,6 +13,15 @@ fn add(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
     (a.0 * b.0 - a.1 * b.1, a.1 * b.0 + a.0 * b.1)
 }
 
+/// The middle of the least and the greatest; 0 of none.
+fn middle(angles_rad: &[f32]) -> f32 {
+    let Some(&first) = angles_rad.first() else { return 0.0 };
+    let (least, greatest) = angles_rad.iter().fold((first, first), |(least, greatest), &angle_rad| {
+        (if angle_rad < least { angle_rad } else { least }, if angle_rad > greatest { angle_rad } else { greatest })
+    });
+    0.5 * (least + greatest)
+}
+
 /// Turns within a row up to here, as of a tilt that moves, have few terms.
 const SMALL_RAD: f32 = 0.1;
 
@@ -79,6 +88,11 @@ impl<'a> Fan<'a> {
         matches!(self.beams, Beams::Nodding { .. })
     }
 
+    /// Whether each row brings directions of its own.
+    pub fn is_free(&self) -> bool {
+        matches!(self.beams, Beams::Free { .. })
+    }
+
     /// Whether rows are the rings of a spinning scanner.
     pub fn spins(&self) -> bool {
         matches!(self.beams, Beams::Spinning { .. })
@@ -143,7 +157,16 @@ impl<'a> Fan<'a> {
 
     /// What the beams of a row depend on besides the column.
     pub fn frame<'r>(&self, at: RowBeam<'r>) -> Frame<'r> {
-        let (c, s) = cos_sin(at.beams.turn_rad);
+        self.frame_of(at, |_| true)
+    }
+
+    /// The same, of free beams with axes along those columns that count.
+    pub fn frame_of<'r>(&self, at: RowBeam<'r>, counts: impl Fn(usize) -> bool) -> Frame<'r> {
+        let middle_rad = match self.beams {
+            Beams::Nodding { columns: Columns::Beside { turns_rad, .. }, .. } => middle(turns_rad),
+            _ => 0.0,
+        };
+        let (c, s) = cos_sin(at.beams.turn_rad + middle_rad);
         let [p, q, r, t] = match &self.beams {
             Beams::Nodding { axis: TurnAxis::Y, .. } => [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0; 3], [-s, 0.0, c]],
             Beams::Nodding { axis: TurnAxis::Z, .. } => [[c, s, 0.0], [0.0, 0.0, 1.0], [0.0; 3], [-s, c, 0.0]],
@@ -152,9 +175,9 @@ impl<'a> Fan<'a> {
                 let v = -(at.row as f32 - cy_px) / fy_px;
                 [[1.0, 0.0, v], [0.0, 1.0, 0.0], [0.0; 3], [0.0; 3]]
             }
-            Beams::Free { .. } => free(at.beams.directions),
+            Beams::Free { .. } => free(at.beams.directions, counts),
         };
-        Frame { p, q, r, t, plain: self.is_plain(&at.beams), beams: at.beams }
+        Frame { p, q, r, t, plain: self.is_plain(&at.beams), middle_rad, beams: at.beams }
     }
 
     /// Whether columns lie where [`Beams`] and the turn angle alone say.
@@ -191,8 +214,8 @@ impl<'a> Fan<'a> {
         let Lanes { cos, sin, beside, range_m } = lanes;
         if let Beams::Free { .. } = self.beams {
             for i in 0..CHUNK {
-                let u = frame.beams.directions.get(from + i).copied().unwrap_or(frame.p);
-                let u = less(u, frame.r);
+                let known = frame.beams.directions.get(from + i).filter(|u| is_unit(**u));
+                let u = less(known.copied().unwrap_or(frame.p), frame.r);
                 [cos[i], sin[i], beside[i]] = [frame.p, frame.q, frame.t].map(|axis| dot(axis, u));
             }
             return;
@@ -235,10 +258,12 @@ impl<'a> Fan<'a> {
         }
     }
 
-    /// Cosine and sine of how much more than its row a column is turned.
+    /// Cosine and sine of how much more than the [`Frame`] of its row a column is turned.
     fn turned(&self, frame: &Frame, column: usize) -> (f32, f32) {
         match &self.beams {
-            Beams::Nodding { columns, .. } => cos_sin(columns.turn_rad(column) + frame.beams.column_turns.of(column)),
+            Beams::Nodding { columns, .. } => {
+                cos_sin(columns.turn_rad(column) - frame.middle_rad + frame.beams.column_turns.of(column))
+            }
             _ => (1.0, 0.0),
         }
     }
@@ -295,15 +320,24 @@ impl<'a> Fan<'a> {
     }
 }
 
-/// Axes of the [`Frame`] of a row of free beams: p to the middle of the row, q along it, t across it.
-fn free(directions: &[[f32; 3]]) -> [[f32; 3]; 4] {
+/// Whether a direction is one: of a pixel without a return it may be anything.
+fn is_unit(u: [f32; 3]) -> bool {
+    (0.9..1.1).contains(&dot(u, u))
+}
+
+/// Axes of the [`Frame`] of a row of free beams: p to the middle of the row, q along it, t across it. Only
+/// beams that count tell.
+fn free(directions: &[[f32; 3]], counts: impl Fn(usize) -> bool) -> [[f32; 3]; 4] {
     // neighbours span what the row lies in, as far as it lies in a plane
     let (mut across, mut middle, mut count) = ([0.0; 3], [0.0; 3], 0.0);
-    for (u, v) in directions.iter().zip(directions.iter().skip(1)) {
-        let (more, both) = (cross(*u, *v), plus(*u, 1.0, *v));
-        // of a pixel without a return a direction may be anything
-        if dot(both, both) <= 4.1 && dot(more, more) >= 0.0 {
-            (across, middle, count) = (plus(across, 1.0, more), plus(middle, 0.5, both), count + 1.0);
+    let mut last = None;
+    for (column, &u) in directions.iter().enumerate() {
+        if !counts(column) || !is_unit(u) {
+            continue;
+        }
+        if let Some(v) = last.replace(u) {
+            (across, middle) = (plus(across, 1.0, cross(v, u)), plus(middle, 0.5, plus(v, 1.0, u)));
+            count += 1.0;
         }
     }
     let unit = |v: [f32; 3], or: [f32; 3]| {
@@ -347,5 +381,8 @@ pub(crate) struct Frame<'r> {
     pub t: [f32; 3],
     /// Whether no column lies beside p, q and r.
     pub plain: bool,
+    /// The row is taken to be turned by this more, the middle of its columns, radians: how a line
+    /// leans across its row is not known, which counts as noise the farther a beam lies beside it.
+    middle_rad: f32,
     pub beams: RowBeams<'r>,
 }

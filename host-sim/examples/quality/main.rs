@@ -19,10 +19,13 @@ use std::{env, error, thread};
 use scanseg_core::{PlaneConfig, Ranging, Rules};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::hoover::{Hoover, Overlaps};
-use scanseg_sim::office::{SCENES, Scene, Sensor, Set, SimulatedScan};
+use scanseg_sim::office::{Rng, SCENES, Scene, Sensor, Set, SimulatedScan};
 use scanseg_sim::segmentation::{Segmentation, ranging};
 
 const MIN_PIXELS: usize = 30;
+
+/// Draws of noise on top of the recorded scans.
+const DRAWS: u32 = 16;
 
 /// Standard deviation of the jumps of the turn angle that the encoder does not tell: more than half
 /// of a row.
@@ -232,7 +235,7 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
     let read = |folder: &str, image: &str, geometry: &str| -> Result<_, Box<dyn error::Error>> {
         let geometry = Geometry::read(data.join(folder).join(geometry))?;
         let ranges = RangeImage::from_grey(&GreyImage::read(data.join(folder).join(image))?, &geometry)?;
-        Ok(segmented(&ranges, &geometry, stated(&geometry, 1.0)))
+        Ok((ranges, geometry))
     };
     let (corridor, synpeb) = ("tilting-sick-corridor", "synpeb");
     for scan in ["scan000", "scan001"] {
@@ -240,14 +243,19 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
             println!("skipped: {corridor} is absent");
             break;
         }
-        let labels = read(corridor, &format!("{scan}.range_mm.pgm"), "geometry.toml")?;
+        let (ranges, geometry) = read(corridor, &format!("{scan}.range_mm.pgm"), "geometry.toml")?;
         let planes = GreyImage::read(data.join(corridor).join(format!("{scan}.planes.pgm")))?.values;
-        let best = best_overlaps(&planes, &labels, 3000);
-        let mean = best.iter().sum::<f64>() / best.len() as f64;
-        println!("{corridor} {scan}: mean best overlap {mean:.3} of {best:.2?}");
+        let overlaps =
+            |ranges: &RangeImage| best_overlaps(&planes, &segmented(ranges, &geometry, stated(&geometry, 1.0)), 3000);
+        let mean = |best: &[f64]| best.iter().sum::<f64>() / best.len() as f64;
+        let best = overlaps(&ranges);
+        println!("{corridor} {scan}: mean best overlap {:.3} of {best:.2?}", mean(&best));
+        let drawn = by_two(0..DRAWS, |draw| mean(&overlaps(&noisier(&ranges, draw))));
+        println!("{corridor} {scan}: {:.3} on average of {DRAWS} draws of half a millimetre of noise", mean(&drawn));
     }
     if data.join(synpeb).is_dir() {
-        let labels = read(synpeb, "test_100.range_100um.pgm", "test_100.geometry.toml")?;
+        let (ranges, geometry) = read(synpeb, "test_100.range_100um.pgm", "test_100.geometry.toml")?;
+        let labels = segmented(&ranges, &geometry, stated(&geometry, 1.0));
         let truth = GreyImage::read(data.join(synpeb).join("test_100.gt_labels.pgm"))?.values;
         let truth: Vec<u16> = truth.iter().map(|&id| if id < 10 { 0 } else { id }).collect();
         let [at, _] = classes(&truth, &labels);
@@ -256,6 +264,14 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
         println!("skipped: {synpeb} is absent");
     }
     Ok(())
+}
+
+/// Returns the ranges with half a millimetre more of noise: the figures of one scan move by 0.05 with
+/// any constant.
+fn noisier(ranges: &RangeImage, draw: u32) -> RangeImage {
+    let mut rng = Rng::new([u64::from(draw), 0, 0]);
+    let noisy = |&range_m: &f32| if range_m > 0.0 { range_m + (0.0005 * rng.normal()) as f32 } else { range_m };
+    RangeImage { range_m: ranges.range_m.iter().map(noisy).collect(), ..*ranges }
 }
 
 /// For each plane of so many pixels the intersection over union of the segment that fits best;

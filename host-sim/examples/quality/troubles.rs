@@ -56,6 +56,7 @@ fn lines() -> Vec<Line> {
     let silent: fn(Ranging) -> Ranging = |_| Ranging::new(0.0);
     let rings = Trouble::RingOffsets { sd_m: 0.02 };
     let off = Trouble::TurnOff { sd_deg: 0.3 };
+    let rough = Trouble::RoughGround { sd_m: 0.02, patch_m: 0.2 };
     let millimetres = Sensor { quantisation_m: 0.001, ..noisy(nodding()) };
     vec![
         Line::new("5 mm", Trouble::None),
@@ -85,8 +86,11 @@ fn lines() -> Vec<Line> {
             scene: |set, number| Scene::numbered(set, number).squared(),
             ..Line::new("walls square", Trouble::None)
         },
-        Line { scene: Scene::hall, sensor: millimetres, ..Line::new("hall, 30 m", Trouble::None) },
-        Line::new("rough ground, 20 mm", Trouble::RoughGround { sd_m: 0.02, patch_m: 0.2 }),
+        Line { scene: Scene::hall, sensor: millimetres.clone(), ..Line::new("hall, 30 m", Trouble::None) },
+        Line::new("rough ground, 20 mm", rough),
+        Line { scene: Scene::attic, ..Line::new("attic with stairs", Trouble::None) },
+        Line { scene: Scene::street, sensor: millimetres.clone(), ..Line::new("street, trees", Trouble::None) },
+        Line { scene: Scene::street, sensor: millimetres, ..Line::new("street, rough road, 20 mm", rough) },
     ]
 }
 

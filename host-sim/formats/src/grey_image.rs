@@ -86,7 +86,7 @@ impl GreyImage {
         let mut bytes = Vec::new();
         let [width, height] = [self.columns, self.rows].map(|n| u32::try_from(n).expect("a side is too long"));
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_compression(png::Compression::Fast);
+        encoder.set_compression(png::Compression::Fastest);
         encoder.set_color(png::ColorType::Grayscale);
         encoder.set_depth(if self.max_value < 256 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
         let mut writer = encoder.write_header().expect("a PNG header in memory");
@@ -102,7 +102,8 @@ impl GreyImage {
         if self.max_value < 256 {
             self.values.iter().map(|v| *v as u8).collect()
         } else {
-            self.values.iter().flat_map(|v| v.to_be_bytes()).collect()
+            let samples: Vec<[u8; 2]> = self.values.iter().map(|v| v.to_be_bytes()).collect();
+            samples.into_flattened()
         }
     }
 }

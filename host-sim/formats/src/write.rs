@@ -37,6 +37,10 @@ pub fn write_all_or_none(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
             written.push((Temporary::write(file, bytes).map_err(|e| FileError::new(path, e))?, file, path));
         }
     }
+    // only now, so that the disk takes them together
+    for (temporary, _, path) in &written {
+        named(path, temporary.file.sync_all())?;
+    }
     for (target, (path, bytes)) in targets.iter().zip(files) {
         if let Target::Stream = target {
             named(path, OpenOptions::new().append(true).create(true).open(path).and_then(|mut f| f.write_all(bytes)))?;
@@ -95,17 +99,17 @@ fn names() -> MutexGuard<'static, Option<Vec<PathBuf>>> {
 /// A temporary file; removed when dropped, unless it has been renamed.
 struct Temporary {
     path: PathBuf,
+    file: File,
 }
 
 impl Temporary {
     fn write(target: &Path, bytes: &[u8]) -> io::Result<Temporary> {
-        let (temporary, mut file) = Temporary::create(target)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
+        let mut temporary = Temporary::create(target)?;
+        temporary.file.write_all(bytes)?;
         Ok(temporary)
     }
 
-    fn create(target: &Path) -> io::Result<(Temporary, File)> {
+    fn create(target: &Path) -> io::Result<Temporary> {
         let name = target.file_name().ok_or(ErrorKind::InvalidFilename)?;
         let mut names = names();
         let names = names.as_mut().ok_or(ErrorKind::Interrupted)?;
@@ -118,7 +122,7 @@ impl Temporary {
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Ok(file) => {
                     names.push(path.clone());
-                    return Ok((Temporary { path }, file));
+                    return Ok(Temporary { path, file });
                 }
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
                 Err(e) => return Err(e),

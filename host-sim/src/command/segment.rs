@@ -1,12 +1,16 @@
 //! `scanseg segment`: a range image in; labels, pictures, points, bearing angles and lists out.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use indicatif::ProgressBar;
 use scanseg_core::{AnyConfig, Approach, EdgeConfig, Trace};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::export::{Segmented, planarities_of, point_m, points};
+use scanseg_sim::parallel::in_parallel;
 use scanseg_sim::segmentation::{Segmentation, SegmentationError, bearing_image};
 use scanseg_sim::view;
 
@@ -74,24 +78,37 @@ impl ListOptions {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let begun = Instant::now();
     if !arguments.all_frames {
-        return segment_into(&arguments.out, &arguments.scan.read()?, arguments);
+        let input = arguments.scan.read()?;
+        return segment_into(&arguments.out, &input, begun.elapsed(), arguments);
     }
-    let inputs = arguments.scan.all()?;
+    let mut inputs = arguments.scan.all()?;
     let bar = bar(inputs.len());
-    for input in inputs {
-        let (n, input) = input?;
-        bar.suspend(|| segment_into(&arguments.out.join(format!("frame-{n}")), &input, arguments))?;
+    loop {
+        let begun = Instant::now();
+        let Some(input) = inputs.next() else { break };
+        let ((n, input), reading) = (input?, begun.elapsed());
+        bar.suspend(|| segment_into(&arguments.out.join(format!("frame-{n}")), &input, reading, arguments))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(())
 }
 
-fn segment_into(out: &Path, input: &Input, arguments: &Arguments) -> Result<(), Failure> {
+/// Segments a scan, writes the results, and prints what was found and what each part took; `reading` is
+/// what it took to read the scan.
+fn segment_into(out: &Path, input: &Input, reading: Duration, arguments: &Arguments) -> Result<(), Failure> {
     let config = arguments.options.config(&input.geometry)?;
-    let (files, summary) = segment(input, config, &arguments.options, &arguments.lists)?;
+    let begun = Instant::now();
+    let (files, mut summary) = segment(input, config, &arguments.options, &arguments.lists)?;
+    let (segmenting, begun) = (begun.elapsed(), Instant::now());
     write(out, &files)?;
+    let [reading, segmenting, writing] = [reading, segmenting, begun.elapsed()].map(|time| 1e3 * time.as_secs_f64());
+    let _ = writeln!(
+        summary,
+        "read in {reading:.1} ms, segmented and drawn in {segmenting:.1} ms, written to the disk in {writing:.1} ms"
+    );
     if arguments.all_frames {
         return print(&format!("{}\n{summary}", out.display()));
     }
@@ -114,7 +131,12 @@ pub fn segment(
         Segmentation::of(&input.ranges, &input.geometry, config, options.max_labels(), || bar.inc(1))
             .map_err(|e| in_terms_of_options(&input.name, e))
     };
-    let segmentation = run(config)?;
+    // bearing angles do not wait for the segments
+    let (segmentation, bearings) = thread::scope(|threads| {
+        let bearings = threads.spawn(|| bearing_images(input, &config));
+        (run(config), bearings.join())
+    });
+    let (segmentation, bearings) = (segmentation?, bearings.expect("bearing angles of any scan")?);
     let seconds = segmentation.core_time.as_secs_f64();
     let edges = match config {
         AnyConfig::Edge(config) => edges_along_rows_and_columns(config, run)?,
@@ -135,21 +157,25 @@ pub fn segment(
     };
     let mut listing = listing(input, &config, &segmentation, &labels, lists.min_pixels);
     listing.set_planarities(&planarities_of(&segmented));
-    let labels_png = labels_png(input, &labels, &listing)?;
-    let bearings = bearing_images(input, &config, [Trace::ROW, Trace::COLUMN, Trace::DIAGONAL, Trace::ANTIDIAGONAL])?;
+    check_labels(input, &listing)?;
     let shown =
         Shown { input, scan: &returns, config: &config, segmentation: &segmentation, labels: &labels, along: &edges };
-    let mut files = shown.pictures([&bearings[0], &bearings[1]], &listing.legend());
-    files.push(("points.ply", points::ply(&segmented)));
-    files.push(("labels.png", labels_png));
-    let grey = |max_value, values| GreyImage { rows, columns, max_value, values }.to_png();
+    let legend = listing.legend();
+    let made: [(&str, &(dyn Fn() -> Vec<u8> + Sync)); 6] = [
+        ("overview.png", &|| shown.overview([&bearings[0].counts, &bearings[1].counts]).to_png()),
+        ("segments.png", &|| shown.segments(&legend).to_png()),
+        ("overlay.png", &|| shown.overlay(&legend).to_png()),
+        ("points.ply", &|| points::ply(&segmented)),
+        ("labels.png", &|| labels_png(rows, columns, &labels)),
+        ("segments.csv", &|| listing.csv()),
+    ];
+    let bytes = in_parallel(made.len(), |i| made[i].1());
+    let mut files: Vec<_> = made.iter().map(|(name, _)| *name).zip(bytes).collect();
     if config.approach() != Approach::Plane {
         let edges = segmentation.closed_edges.iter().map(|&edge| if edge { 255 } else { 0 });
-        files.push(("edges.png", grey(255, edges.collect())));
+        files.push(("edges.png", GreyImage { rows, columns, max_value: 255, values: edges.collect() }.to_png()));
     }
-    let names = ["bearing-horizontal.png", "bearing-vertical.png", "bearing-diagonal.png", "bearing-antidiagonal.png"];
-    files.extend(names.into_iter().zip(bearings.map(|counts| grey(65535, counts))));
-    files.push(("segments.csv", listing.csv()));
+    files.extend(bearings.into_iter().map(|image| (image.name, image.png)));
     files.push(("segments.json", listing.json()?));
     let per_point_ns = 1e9 * seconds / (rows * columns) as f64;
     let mut all = warnings::of_scan(input, &config, stated);
@@ -185,16 +211,28 @@ fn edges_along_rows_and_columns(
     Ok(vec![along_rows, along_columns])
 }
 
-fn bearing_images<const N: usize>(
-    input: &Input,
-    config: &AnyConfig<'_>,
-    traces: [Trace; N],
-) -> Result<[Vec<u16>; N], SegmentationError> {
-    let mut images = [const { vec![] }; N];
-    for (image, trace) in images.iter_mut().zip(traces) {
-        *image = bearing_image(&input.ranges, &input.geometry, &config.ranging(), trace)?;
-    }
-    Ok(images)
+/// Bearing angles along a trace, as a file as well.
+struct Bearings {
+    name: &'static str,
+    counts: Vec<u16>,
+    png: Vec<u8>,
+}
+
+/// Returns the bearing angles along the usual traces, those along rows and along columns first.
+fn bearing_images(input: &Input, config: &AnyConfig<'_>) -> Result<Vec<Bearings>, SegmentationError> {
+    let (rows, columns, max_value) = (input.ranges.rows, input.ranges.columns, 65535);
+    let along = |(name, trace)| -> Result<Bearings, SegmentationError> {
+        let counts = bearing_image(&input.ranges, &input.geometry, &config.ranging(), trace)?;
+        let image = GreyImage { rows, columns, max_value, values: counts };
+        Ok(Bearings { name, png: image.to_png(), counts: image.values })
+    };
+    let traces = [
+        ("bearing-horizontal.png", Trace::ROW),
+        ("bearing-vertical.png", Trace::COLUMN),
+        ("bearing-diagonal.png", Trace::DIAGONAL),
+        ("bearing-antidiagonal.png", Trace::ANTIDIAGONAL),
+    ];
+    traces.into_iter().map(along).collect()
 }
 
 fn listing(
@@ -242,13 +280,18 @@ fn centroids_m(ranges: &RangeImage, geometry: &Geometry, labels: &[u32], count: 
     sums[1..].iter().map(|(sum, points)| sum.map(|sum| (sum / points) as f32)).collect()
 }
 
-/// Returns the image of the segments' labels. Its 16 bits must do for them.
-fn labels_png(input: &Input, labels: &[u32], listing: &Listing) -> Result<Vec<u8>, Failure> {
-    let Header { rows, columns, segments_listed: found, min_pixels, .. } = listing.header;
+/// Checks that the 16 bits of labels.png do for the segments.
+fn check_labels(input: &Input, listing: &Listing) -> Result<(), Failure> {
+    let Header { segments_listed: found, min_pixels, .. } = listing.header;
     if found > usize::from(u16::MAX) {
         let what = format!("{found} segments of {min_pixels} pixels or more are too many for labels.png (65535)");
         return Err(format!("{}: {what}: use a larger --min-pixels", input.name).into());
     }
+    Ok(())
+}
+
+/// Returns the image of the segments' labels.
+fn labels_png(rows: usize, columns: usize, labels: &[u32]) -> Vec<u8> {
     let values = labels.iter().map(|&label| label as u16).collect();
-    Ok(GreyImage { rows, columns, max_value: 65535, values }.to_png())
+    GreyImage { rows, columns, max_value: 65535, values }.to_png()
 }

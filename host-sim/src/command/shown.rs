@@ -3,6 +3,7 @@
 use scanseg_core::{AnyConfig, Approach};
 use scanseg_formats::RangeImage;
 use scanseg_sim::overview::{Line, Panel, Segments, View, overlay, overview, segments};
+use scanseg_sim::picture::Picture;
 use scanseg_sim::segmentation::Segmentation;
 
 use crate::command::input::Input;
@@ -21,17 +22,10 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Returns the pictures with their names, of bearing angles along rows and along columns where
-    /// the approach uses them.
-    pub fn pictures(&self, [rows, columns]: [&[u16]; 2], lines: &[Line]) -> Vec<(&'static str, Vec<u8>)> {
+    /// Returns the overview, with bearing angles along rows and along columns where the approach uses
+    /// them.
+    pub fn overview(&self, [rows, columns]: [&[u16]; 2]) -> Picture {
         let (scan, segmentation) = (self.scan, self.segmentation);
-        let shown = Segments {
-            scan,
-            view: View::of(&self.input.geometry, scan.rows, scan.columns),
-            labels: self.labels,
-            // what else has edges does not leave them out of segments
-            edges: if self.config.approach() == Approach::Edge { Some(&segmentation.closed_edges) } else { None },
-        };
         let mut panels = vec![("", Panel::Ranges)];
         let outside: Vec<bool> = scan.range_m.iter().zip(self.labels).map(|(m, &n)| *m > 0.0 && n == 0).collect();
         match self.config.approach() {
@@ -55,10 +49,27 @@ impl Shown<'_> {
                 ("Pixels on no line", Panel::Pixels(&segmentation.closed_edges)),
             ]),
         }
-        vec![
-            ("overview.png", overview(&shown, &panels).to_png()),
-            ("segments.png", segments(&shown, lines).to_png()),
-            ("overlay.png", overlay(&shown, lines).to_png()),
-        ]
+        overview(&self.pixels(), &panels)
+    }
+
+    /// Returns the segments in colour, with a legend.
+    pub fn segments(&self, legend: &[Line]) -> Picture {
+        segments(&self.pixels(), legend)
+    }
+
+    /// Returns the segments over the ranges, with a legend.
+    pub fn overlay(&self, legend: &[Line]) -> Picture {
+        overlay(&self.pixels(), legend)
+    }
+
+    fn pixels(&self) -> Segments<'_> {
+        let Shown { input, scan, config, segmentation, labels, .. } = *self;
+        Segments {
+            scan,
+            view: View::of(&input.geometry, scan.rows, scan.columns),
+            labels,
+            // what else has edges does not leave them out of segments
+            edges: if config.approach() == Approach::Edge { Some(&segmentation.closed_edges) } else { None },
+        }
     }
 }

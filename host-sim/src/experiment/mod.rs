@@ -27,7 +27,6 @@ pub mod figures;
 #[cfg(test)]
 mod made_up;
 mod method;
-mod parallel;
 pub mod report;
 mod results;
 pub mod rim;

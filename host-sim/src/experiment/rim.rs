@@ -1,10 +1,10 @@
 //! The most that a method can reach whose edge pixels belong to no region.
 
 use crate::experiment::method::{MIN_PIXELS, SIZE};
-use crate::experiment::parallel::in_parallel;
 use crate::experiment::scans::scan;
 use crate::hoover::evaluate;
 use crate::office::Set;
+use crate::parallel::in_parallel;
 
 /// Truth regions that would be correct if each were found whole but for a rim.
 #[derive(Clone, Copy, Debug, PartialEq)]

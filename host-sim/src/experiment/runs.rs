@@ -2,10 +2,10 @@
 
 use crate::experiment::counts::Counts;
 use crate::experiment::method::{METHODS, MIN_PIXELS, NOISES_MM, SIZE, TOLERANCES};
-use crate::experiment::parallel::in_parallel;
 use crate::experiment::scans::scan;
 use crate::hoover::Overlaps;
 use crate::office::Set;
+use crate::parallel::in_parallel;
 use crate::segmentation::Segmentation;
 
 /// One method on one scan.

@@ -36,6 +36,9 @@ pub(super) fn record(scan: &Segmented<'_>, pixel: usize, axes: Axes) -> [u8; REC
     bytes
 }
 
+/// Bytes of a vertex of [`ply`].
+const VERTEX_BYTES: usize = 19;
+
 /// Returns a binary PLY file with a vertex for each return: x, y, z in metres, red, green, blue, and
 /// label, 0 for no segment. A range grid tells the vertex of each pixel, row by row.
 pub fn ply(scan: &Segmented<'_>) -> Vec<u8> {
@@ -49,18 +52,24 @@ pub fn ply(scan: &Segmented<'_>) -> Vec<u8> {
         rows * columns
     )
     .into_bytes();
+    bytes.reserve(returns * (VERTEX_BYTES + 4) + rows * columns);
     for pixel in 0..rows * columns {
         let Some(point) = scan.point_m(pixel) else { continue };
-        point.iter().for_each(|x| bytes.extend((*x as f32).to_le_bytes()));
-        bytes.extend(label_colour(scan.labels[pixel]));
-        bytes.extend(scan.labels[pixel].to_le_bytes());
+        let label = scan.labels[pixel];
+        let mut vertex = [0; VERTEX_BYTES];
+        for (to, x) in vertex.as_chunks_mut().0.iter_mut().zip(point) {
+            *to = (x as f32).to_le_bytes();
+        }
+        vertex[12..15].copy_from_slice(&label_colour(label));
+        vertex[15..].copy_from_slice(&label.to_le_bytes());
+        bytes.extend_from_slice(&vertex);
     }
     let mut vertex = 0u32;
     for range_m in &scan.image.range_m {
         let measured = *range_m > 0.0;
         bytes.push(measured.into());
         if measured {
-            bytes.extend(vertex.to_le_bytes());
+            bytes.extend_from_slice(&vertex.to_le_bytes());
             vertex += 1;
         }
     }

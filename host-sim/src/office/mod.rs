@@ -18,17 +18,23 @@
 //! number comes from a generator and from functions that give the same bits on every platform. At
 //! 200 x 361 pixels over 100 x 180 degrees a scene shows 13 to 37 surfaces of 30 pixels or more:
 //! 619 in the 25 tuning scenes, 656 in the 25 validation scenes.
+//!
+//! There are halls, attics with stairs, and streets with trees as well: [`Scene::hall`],
+//! [`Scene::attic`], [`Scene::street`].
 
 mod body;
 mod furniture;
+mod house;
 mod layouts;
 mod rng;
 mod room;
 mod scene;
 mod sensor;
 mod set;
+mod street;
 mod troubles;
 
+pub use rng::Rng;
 pub use scene::Scene;
 pub use sensor::{Sensor, SensorError, SimulatedScan};
 pub use set::{SCENES, Set};

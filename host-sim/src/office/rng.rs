@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Clone, Debug)]
-pub(super) struct Rng(u64);
+pub struct Rng(u64);
 
 impl Rng {
     /// Returns a stream of its own for each combination of keys.

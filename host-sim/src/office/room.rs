@@ -3,9 +3,9 @@
 use crate::office::body::{Builder, Place, Surface, Vector, rectangle};
 use crate::office::rng::Rng;
 
-const X: Vector = [1.0, 0.0, 0.0];
-const Y: Vector = [0.0, 1.0, 0.0];
-const Z: Vector = [0.0, 0.0, 1.0];
+pub(super) const X: Vector = [1.0, 0.0, 0.0];
+pub(super) const Y: Vector = [0.0, 1.0, 0.0];
+pub(super) const Z: Vector = [0.0, 0.0, 1.0];
 
 /// Walls are this thick: the depth of window and door reveals.
 const WALL_M: f64 = 0.11;

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::office::body::{Body, Place, Vector, dot};
+use crate::office::house::lay_out_attic;
 use crate::office::layouts::{Laid, lay_out, lay_out_hall};
 use crate::office::set::Set;
+use crate::office::street::lay_out_street;
 
 /// A furnished room and the scanner's stand in it. The scanner's frame: x forward, y left, z up,
 /// metres.
@@ -29,6 +31,17 @@ impl Scene {
     /// [`Sensor::quantisation_m`](crate::office::Sensor::quantisation_m) of 1 mm reaches 65 m.
     pub fn hall(set: Set, number: u32) -> Self {
         Self::of(lay_out_hall(set, number), set, number)
+    }
+
+    /// Attic `number` of a set: sloped roofs on low walls, a stage, and stairs up to it.
+    pub fn attic(set: Set, number: u32) -> Self {
+        Self::of(lay_out_attic(set, number), set, number)
+    }
+
+    /// Street `number` of a set: house fronts to 32 m away, pavements, parked cars, trees. Above them
+    /// beams are lost. Ranges need a coarser unit, as of a [`Scene::hall`].
+    pub fn street(set: Set, number: u32) -> Self {
+        Self::of(lay_out_street(set, number), set, number)
     }
 
     fn of((builder, position, heading_deg): Laid, set: Set, number: u32) -> Self {
@@ -59,7 +72,8 @@ impl Scene {
     }
 
     /// Returns the first surface that a beam meets: range in metres and surface id. `direction` is
-    /// a unit vector in the scanner's frame. None where the beam is lost in a window.
+    /// a unit vector in the scanner's frame. None where the beam is lost in a window or
+    /// the sky.
     pub fn cast(&self, direction: [f64; 3]) -> Option<(f64, u16)> {
         let ray = self.heading.direction(direction);
         let mut nearest = (f64::INFINITY, 0);

@@ -14,44 +14,53 @@ pub struct Place {
 /// Returns for each label other than 0 the place farthest from all that is not of the label, the
 /// border of the picture included; `labels` row by row, `width` a row.
 pub fn places(labels: &[u32], width: usize) -> BTreeMap<u32, Place> {
-    let mut places = BTreeMap::<u32, Place>::new();
-    for (i, &distance) in distances(labels, width).iter().enumerate() {
-        let place = Place { x: i % width, y: i / width, room: distance as f32 / 3.0 };
-        if labels[i] != 0 && places.get(&labels[i]).is_none_or(|known| known.room < place.room) {
-            places.insert(labels[i], place);
+    let most = labels.iter().copied().max().unwrap_or(0);
+    // of each label the greatest distance, and where it is
+    let mut farthest = vec![(0, 0); most as usize + 1];
+    for (i, (&label, &distance)) in labels.iter().zip(&distances(labels, width)).enumerate() {
+        let known = &mut farthest[label as usize];
+        if distance > known.0 {
+            *known = (distance, i);
         }
     }
-    places
+    let place = |(distance, i): (u32, usize)| Place { x: i % width, y: i / width, room: distance as f32 / 3.0 };
+    let found = (0..).zip(farthest).skip(1).filter(|(_, (distance, _))| *distance > 0);
+    found.map(|(label, farthest)| (label, place(farthest))).collect()
 }
 
 /// Returns for each pixel its distance to the nearest pixel of another label or beyond the border,
 /// in thirds of a pixel: 3 for a step to the side, 4 for one across a corner.
 fn distances(labels: &[u32], width: usize) -> Vec<u32> {
-    let height = labels.len() / width.max(1);
     let mut distances = vec![u32::MAX; labels.len()];
-    let near = |distances: &[u32], x: usize, y: usize, (dx, dy): (isize, isize)| {
-        let other = x.checked_add_signed(dx).zip(y.checked_add_signed(dy));
-        let other = other.filter(|&(x, y)| x < width && y < height).map(|(x, y)| y * width + x);
-        let step = if dx == 0 || dy == 0 { 3 } else { 4 };
-        match other {
-            Some(j) if labels[j] == labels[y * width + x] => distances[j].saturating_add(step),
-            _ => step,
-        }
-    };
-    let before = [(-1, 0), (-1, -1), (0, -1), (1, -1)];
-    let after = before.map(|(dx, dy)| (-dx, -dy));
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    for (x, y) in pixels.clone() {
-        for step in before {
-            distances[y * width + x] = near(&distances, x, y, step).min(distances[y * width + x]);
-        }
-    }
-    for (x, y) in pixels.rev() {
-        for step in after {
-            distances[y * width + x] = near(&distances, x, y, step).min(distances[y * width + x]);
-        }
-    }
+    lessen(labels, &mut distances, width);
+    // the same from the last pixel to the first
+    let turned: Vec<u32> = labels.iter().rev().copied().collect();
+    distances.reverse();
+    lessen(&turned, &mut distances, width);
+    distances.reverse();
     distances
+}
+
+/// Lessens distances to those by way of the pixels before each: to the left, and above.
+fn lessen(labels: &[u32], distances: &mut [u32], width: usize) {
+    let by = |label: u32, other: Option<&u32>, distance: Option<&u32>, step: u32| match (other, distance) {
+        (Some(&other), Some(&distance)) if other == label => distance + step,
+        _ => step,
+    };
+    // beyond the border there is nothing
+    let (mut labels_above, mut above): (&[u32], &[u32]) = (&[], &[]);
+    let rows = labels.chunks_exact(width.max(1));
+    for (labels, row) in rows.zip(distances.chunks_exact_mut(width.max(1))) {
+        let mut left: (Option<u32>, u32) = (None, 0);
+        for (x, (&label, distance)) in labels.iter().zip(&mut *row).enumerate() {
+            let near = |at: usize, step: u32| by(label, labels_above.get(at), above.get(at), step);
+            let aside = by(label, left.0.as_ref(), Some(&left.1), 3);
+            let straight = near(x, 3).min(near(x.wrapping_sub(1), 4)).min(near(x + 1, 4));
+            *distance = (*distance).min(aside).min(straight);
+            left = (Some(label), *distance);
+        }
+        (labels_above, above) = (labels, row);
+    }
 }
 
 #[cfg(test)]

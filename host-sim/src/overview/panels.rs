@@ -40,7 +40,7 @@ pub fn overview(segments: &Segments<'_>, panels: &[(&str, Panel<'_>)]) -> Pictur
                 return (range_title(near_m, far_m), frame.picture(colour));
             }
             Panel::Segments => segments.coloured(frame),
-            Panel::Overlay => segments.over_ranges(frame),
+            Panel::Overlay => segments.over_ranges(frame, (near_m, far_m)),
             Panel::Bearings(counts) => frame.picture(|i| match counts[i] {
                 0 => bearing_colour(f32::NAN),
                 count => bearing_colour(f32::from(count) / COUNTS_PER_RAD),

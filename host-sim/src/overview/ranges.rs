@@ -16,8 +16,12 @@ pub(crate) fn range_title(near_m: f32, far_m: f32) -> String {
 /// none.
 pub fn usual_ranges_m(scan: &RangeImage) -> (f32, f32) {
     let mut ranges_m: Vec<f32> = scan.range_m.iter().copied().filter(|&m| m > 0.0).collect();
-    ranges_m.sort_by(f32::total_cmp);
-    let at =
-        |percent: usize| ranges_m.get((ranges_m.len() * percent / 100).min(ranges_m.len().wrapping_sub(1))).copied();
-    (at(2).unwrap_or(0.0), at(98).unwrap_or(1.0))
+    if ranges_m.is_empty() {
+        return (0.0, 1.0);
+    }
+    let mut at = |percent: usize| {
+        let place = (ranges_m.len() * percent / 100).min(ranges_m.len() - 1);
+        *ranges_m.select_nth_unstable_by(place, f32::total_cmp).1
+    };
+    (at(2), at(98))
 }

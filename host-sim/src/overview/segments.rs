@@ -33,7 +33,7 @@ pub fn segments(segments: &Segments<'_>, lines: &[Line]) -> Picture {
 /// Returns the segments in colour over the ranges in grey, near ones bright; labels and legend as
 /// in [`segments`].
 pub fn overlay(segments: &Segments<'_>, lines: &[Line]) -> Picture {
-    with_legend(segments.over_ranges(segments.frame(LIMIT)), lines)
+    with_legend(segments.over_ranges(segments.frame(LIMIT), usual_ranges_m(segments.scan)), lines)
 }
 
 fn with_legend(picture: Picture, lines: &[Line]) -> Picture {
@@ -60,9 +60,9 @@ impl Segments<'_> {
         self.marked(frame, frame.picture(colour))
     }
 
-    /// The segments in colour over the ranges in grey, with borders and labels.
-    pub(super) fn over_ranges(&self, frame: Frame) -> Picture {
-        let (near_m, far_m) = usual_ranges_m(self.scan);
+    /// The segments in colour over the ranges in grey, the nearest bright and the farthest dark, with
+    /// borders and labels.
+    pub(super) fn over_ranges(&self, frame: Frame, (near_m, far_m): (f32, f32)) -> Picture {
         let grey = |range_m: f32| -> Rgb {
             let far = ((range_m - near_m) / (far_m - near_m)).clamp(0.0, 1.0);
             [(235.0 - 185.0 * if far.is_nan() { 0.0 } else { far }) as u8; 3]
@@ -75,28 +75,24 @@ impl Segments<'_> {
         self.marked(frame, frame.picture(colour))
     }
 
-    /// The labels of the pixels of a picture.
-    fn shown(&self, frame: Frame) -> Vec<u32> {
-        (0..frame.width * frame.height).map(|i| self.labels[frame.pixel(i % frame.width, i / frame.width)]).collect()
-    }
-
     /// Draws the borders of the segments and their labels.
     fn marked(&self, frame: Frame, mut picture: Picture) -> Picture {
         let (width, height) = (frame.width, frame.height);
-        let shown = self.shown(frame);
-        for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
-            let label = shown[y * width + x];
-            let other = |x: usize, y: usize| if x < width && y < height { shown[y * width + x] } else { 0 };
-            let is_border = |other: u32| other != 0 && other != label;
-            if label != 0 && (is_border(other(x + 1, y)) || is_border(other(x, y + 1))) {
-                picture.put(x, y, BLACK);
+        let shown = frame.shown(|i| self.labels[i]);
+        for (y, row) in shown.chunks_exact(width).enumerate() {
+            let below = shown.get((y + 1) * width..).unwrap_or_default();
+            for (x, &label) in row.iter().enumerate().filter(|(_, label)| **label != 0) {
+                let is_border = |other: Option<&u32>| other.is_some_and(|&other| other != 0 && other != label);
+                if is_border(row.get(x + 1)) || is_border(below.get(x)) {
+                    picture.put(x, y, BLACK);
+                }
             }
         }
         // where the picture is larger than the scan, the scan says as much with fewer pixels
         let scan = Frame::of(self.view, self.scan.rows, self.scan.columns);
         let basis = if scan.width * scan.height < width * height { scan } else { frame };
         let (across, down) = (width as f32 / basis.width as f32, height as f32 / basis.height as f32);
-        for (label, place) in places(&self.shown(basis), basis.width) {
+        for (label, place) in places(&basis.shown(|i| self.labels[i]), basis.width) {
             let room = place.room * across.min(down);
             let text = label.to_string();
             let size = (1.1 * room).min(30.0);

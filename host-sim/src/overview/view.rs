@@ -2,7 +2,7 @@
 
 use scanseg_formats::{Geometry, Kind, TurnAxis};
 
-use crate::picture::{Picture, Rgb};
+use crate::picture::{BLACK, Picture, Rgb};
 
 /// How a scan is turned for people to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,20 +97,44 @@ impl Frame {
         Frame { width: side(width), height: side(height), ..self }
     }
 
-    /// Returns which pixel of the scan, `row * columns + column`, is shown at a place.
-    pub fn pixel(&self, x: usize, y: usize) -> usize {
+    /// Returns `of(i)` for the pixel i of the scan that each pixel of the picture shows, row by row. What
+    /// shows the same pixel beside or below it is copied.
+    pub fn shown<T: Copy>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
         let (high, wide) = if self.view.transpose { (self.columns, self.rows) } else { (self.rows, self.columns) };
         // the middle of the shown pixel lies in the pixel taken
         let from = |to: usize, new: usize, old: usize| (2 * to + 1) * old / (2 * new);
-        let (x, y) = (from(x, self.width, wide), from(y, self.height, high));
-        let x = if self.view.mirror { wide - 1 - x } else { x };
-        let y = if self.view.flip { high - 1 - y } else { y };
-        if self.view.transpose { x * self.columns + y } else { y * self.columns + x }
+        let (down, across) = if self.view.transpose { (1, self.columns) } else { (self.columns, 1) };
+        let place = |to: usize, new: usize, old: usize, turned: bool| {
+            let from = from(to, new, old);
+            if turned { old - 1 - from } else { from }
+        };
+        let columns: Vec<usize> =
+            (0..self.width).map(|x| across * place(x, self.width, wide, self.view.mirror)).collect();
+        let rows = (0..self.height).map(|y| down * place(y, self.height, high, self.view.flip));
+        let (mut shown, mut above) = (Vec::with_capacity(self.width * self.height), None);
+        for row in rows {
+            if above.replace(row) == Some(row) {
+                shown.extend_from_within(shown.len() - self.width..);
+                continue;
+            }
+            let Some(&first) = columns.first() else { break };
+            let mut before = (first, of(row + first));
+            shown.extend(columns.iter().map(|&column| {
+                if column != before.0 {
+                    before = (column, of(row + column));
+                }
+                before.1
+            }));
+        }
+        shown
     }
 
     /// Returns the picture of `colour(i)` for pixel i of the scan.
     pub fn picture(&self, colour: impl Fn(usize) -> Rgb) -> Picture {
-        Picture::from_fn(self.width, self.height, |x, y| colour(self.pixel(x, y)))
+        match self.shown(colour) {
+            shown if shown.is_empty() => Picture::new(self.width, self.height, BLACK),
+            shown => Picture::of_pixels(self.width, shown),
+        }
     }
 }
 
@@ -118,6 +142,7 @@ impl Frame {
 mod tests {
     use super::*;
     use scanseg_formats::{Angles, Depth};
+    use std::cell::Cell;
 
     fn view(kind: Kind) -> (bool, bool, bool) {
         let geometry = Geometry::of(kind);
@@ -173,8 +198,7 @@ mod tests {
     fn the_picture_is_turned_as_the_view_says() {
         let numbered = |transpose, flip, mirror| {
             let frame = Frame::of(View { transpose, flip, mirror }, 2, 3);
-            let row = |y| (0..frame.width).map(move |x| frame.pixel(x, y));
-            (frame.width, (0..frame.height).flat_map(row).collect::<Vec<_>>())
+            (frame.width, frame.shown(|i| i))
         };
         assert_eq!(numbered(false, false, false), (3, vec![0, 1, 2, 3, 4, 5]));
         assert_eq!(numbered(false, true, false), (3, vec![3, 4, 5, 0, 1, 2]));
@@ -201,10 +225,10 @@ mod tests {
         assert_eq!([size(65_535, 1, 2100), size(30_000, 181, 2100)], [(8, 2048), (128, 2000)]);
         assert_eq!(size(65_535, 16_384, 2100), (512, 2048));
         let frame = Frame { width: 6, height: 4, ..Frame::of(upright, 2, 3) };
-        let rows: Vec<Vec<usize>> = (0..4).map(|y| (0..6).map(|x| frame.pixel(x, y)).collect()).collect();
-        assert_eq!(
-            [&rows[0], &rows[1], &rows[2]],
-            [&vec![0, 0, 1, 1, 2, 2], &vec![0, 0, 1, 1, 2, 2], &vec![3, 3, 4, 4, 5, 5]]
-        );
+        // each pixel of the scan is asked for once
+        let asked = Cell::new(0);
+        frame.shown(|_| asked.set(asked.get() + 1));
+        assert_eq!(asked.get(), 6);
+        assert_eq!(frame.shown(|i| i), [0, 0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 3, 3, 4, 4, 5, 5]);
     }
 }

@@ -15,21 +15,26 @@ pub const WHITE: Rgb = [255, 255, 255];
 pub struct Picture {
     width: usize,
     height: usize,
-    rgb: Vec<u8>,
+    rgb: Vec<Rgb>,
 }
 
 impl Picture {
     /// Returns a picture of one colour. A side of 0 is made 1, as no file holds an empty picture.
     pub fn new(width: usize, height: usize, colour: Rgb) -> Picture {
         let (width, height) = (width.max(1), height.max(1));
-        Picture { width, height, rgb: colour.repeat(width * height) }
+        Picture { width, height, rgb: vec![colour; width * height] }
+    }
+
+    /// Returns the picture of these pixels, row by row; `width` and the number of rows are 1 or more.
+    pub(crate) fn of_pixels(width: usize, rgb: Vec<Rgb>) -> Picture {
+        Picture { width, height: rgb.len() / width, rgb }
     }
 
     /// Returns a picture of `colour(x, y)` for each pixel; sides as in [`Picture::new`].
     pub fn from_fn(width: usize, height: usize, mut colour: impl FnMut(usize, usize) -> Rgb) -> Picture {
         let mut picture = Picture::new(width, height, BLACK);
-        for (i, pixel) in picture.rgb.chunks_exact_mut(3).enumerate() {
-            pixel.copy_from_slice(&colour(i % picture.width, i / picture.width));
+        for (y, row) in picture.rgb.chunks_exact_mut(picture.width).enumerate() {
+            row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = colour(x, y));
         }
         picture
     }
@@ -46,38 +51,34 @@ impl Picture {
 
     /// Colour of a pixel; none outside.
     pub fn get(&self, x: usize, y: usize) -> Option<Rgb> {
-        let at = self.index(x, y)?;
-        Some([self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]])
+        self.index(x, y).map(|at| self.rgb[at])
     }
 
     /// Colours a pixel.
     pub fn put(&mut self, x: usize, y: usize, colour: Rgb) {
         if let Some(at) = self.index(x, y) {
-            self.rgb[at..at + 3].copy_from_slice(&colour);
+            self.rgb[at] = colour;
         }
     }
 
     fn index(&self, x: usize, y: usize) -> Option<usize> {
-        (x < self.width && y < self.height).then_some(3 * (y * self.width + x))
+        (x < self.width && y < self.height).then_some(y * self.width + x)
     }
 
     /// Fills the rectangle from (`x`, `y`), `width` x `height` pixels.
     pub fn rect(&mut self, x: usize, y: usize, width: usize, height: usize, colour: Rgb) {
+        let (left, right) = (x.min(self.width), x.saturating_add(width).min(self.width));
         for y in y..y.saturating_add(height).min(self.height) {
-            for x in x..x.saturating_add(width).min(self.width) {
-                self.put(x, y, colour);
-            }
+            self.rgb[y * self.width + left..y * self.width + right].fill(colour);
         }
     }
 
     /// Copies `other` with its upper left corner at (`x`, `y`).
     pub fn blit(&mut self, x: usize, y: usize, other: &Picture) {
+        let width = other.width.min(self.width.saturating_sub(x));
         for dy in 0..other.height.min(self.height.saturating_sub(y)) {
-            for dx in 0..other.width.min(self.width.saturating_sub(x)) {
-                let from = 3 * (dy * other.width + dx);
-                let to = 3 * ((y + dy) * self.width + x + dx);
-                self.rgb[to..to + 3].copy_from_slice(&other.rgb[from..from + 3]);
-            }
+            let (from, to) = (dy * other.width, (y + dy) * self.width + x);
+            self.rgb[to..to + width].copy_from_slice(&other.rgb[from..from + width]);
         }
     }
 
@@ -103,14 +104,18 @@ impl Picture {
     /// Colours what a mask covers; pixels that it covers in part are mixed.
     pub(super) fn ink(&mut self, mask: &mut Mask<'_, '_, &Vec<Command>>, colour: Rgb) {
         let (cover, place) = mask.render();
-        for (i, &part) in cover.iter().enumerate().filter(|(_, part)| **part > 0) {
-            let (dx, dy) = (i % place.width as usize, i / place.width as usize);
-            let at = (place.left as isize).checked_add_unsigned(dx).zip((place.top as isize).checked_add_unsigned(dy));
-            let Some((x, y)) = at.and_then(|(x, y)| usize::try_from(x).ok().zip(usize::try_from(y).ok())) else {
-                continue;
-            };
-            if let Some(below) = self.get(x, y) {
-                self.put(x, y, mixed(below, colour, f32::from(part) / 255.0));
+        let (left, top) = (place.left as isize, place.top as isize);
+        for (y, cover) in (top..).zip(cover.chunks_exact((place.width as usize).max(1))) {
+            let Some(y) = usize::try_from(y).ok().filter(|y| *y < self.height) else { continue };
+            let row = &mut self.rgb[y * self.width..][..self.width];
+            // what lies to the left of the picture is left out
+            let pixels = row.iter_mut().skip(left.max(0) as usize);
+            for (pixel, &part) in pixels.zip(cover.iter().skip((-left).max(0) as usize)) {
+                match part {
+                    0 => {}
+                    u8::MAX => *pixel = colour,
+                    _ => *pixel = mixed(*pixel, colour, f32::from(part) / 255.0),
+                }
             }
         }
     }
@@ -122,8 +127,7 @@ impl Picture {
         // The middle of the new pixel lies in the pixel taken.
         let from = |to: usize, new: usize, old: usize| (2 * to + 1) * old / (2 * new);
         Picture::from_fn(width, height, |x, y| {
-            let at = 3 * (from(y, height, self.height) * self.width + from(x, width, self.width));
-            [self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]]
+            self.rgb[from(y, height, self.height) * self.width + from(x, width, self.width)]
         })
     }
 
@@ -135,11 +139,11 @@ impl Picture {
         let [width, height] = [self.width, self.height].map(|n| u32::try_from(n).expect("a side is too long"));
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        // `Balanced` would take as long as all else that `segment` does, for files two thirds as large.
-        encoder.set_compression(png::Compression::Fast);
+        // all others would take as long as all else that `segment` does, or longer
+        encoder.set_compression(png::Compression::Fastest);
         encoder.set_color(png::ColorType::Rgb);
         let mut writer = encoder.write_header().expect("a PNG header in memory");
-        writer.write_image_data(&self.rgb).expect("PNG data in memory");
+        writer.write_image_data(self.rgb.as_flattened()).expect("PNG data in memory");
         writer.finish().expect("a PNG end in memory");
         bytes
     }

@@ -70,7 +70,7 @@ impl Segmentation {
         }
         let noise = FoundNoise::of(&segmenter, &scan.range_m, &config.ranging());
         let range_noise_m = match &segmenter {
-            AnySegmenter::Plane(planes) => scan.range_m.iter().map(|&range_m| planes.range_noise_m(range_m)).collect(),
+            AnySegmenter::Plane(planes) => planes.range_noises_m(&scan.range_m).collect(),
             AnySegmenter::Edge(_) | AnySegmenter::Region(_) => vec![],
         };
         let finishing = Instant::now();

@@ -6,7 +6,7 @@
 //! way, see the same turn with less noise.
 
 use super::beams::{Beams, angle_between};
-use super::doubt::Doubt;
+use super::doubt::{Answer, Doubt};
 use super::{Image, Size};
 use nalgebra::Vector3;
 
@@ -58,19 +58,21 @@ struct Turn {
 fn turn(points: [Vector3<f64>; 3], thresholds: &Thresholds, doubt: &mut Doubt) -> Turn {
     let [before, here, after] = points;
     let (a, b, span) = (here - before, after - here, after - before);
-    let farthest_m = points.iter().map(|point| point.norm()).fold(0.0, f64::max);
+    let [before_m, here_m, after_m] = points.map(|point| point.norm());
     let angle_rad = angle_between(a, b);
-    // f32 has its points to within 1e-6 of their range, and the square of a cosine to within 1e-7
+    // f32 has its points to within 7e-7 of their range, and the square of a cosine to within 1e-7
     let square = 2e-7 / angle_rad.max(thresholds.line_angle_rad);
-    let error_rad = 3e-6 * farthest_m / a.norm().min(b.norm()) + 1e-6 + square;
+    let chords = before_m.max(here_m) / a.norm() + after_m.max(here_m) / b.norm();
+    let error_rad = 1.5e-6 * chords + 1e-6 + square;
     let across_m = (span - here * (span.dot(&here) / here.norm_squared())).norm();
     // the distance from the chord and its standard deviation, both times the length of the chord
     let (off, sigma) = (a.cross(&b).norm(), 1.5f64.sqrt() * thresholds.range_noise_m * across_m);
     let cancelled = (span.norm() / across_m).powi(2) * 1e-6 + 1e-3;
-    let turned = doubt.above(angle_rad, thresholds.line_angle_rad, error_rad);
-    let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * farthest_m * (a.norm() + b.norm());
+    let turned = Answer::above(angle_rad, thresholds.line_angle_rad, error_rad);
+    let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * before_m.max(here_m).max(after_m) * (a.norm() + b.norm());
+    let beyond = Answer::above(off, TURN_SIGMAS * sigma, margin);
     let no_noise = thresholds.range_noise_m == 0.0;
-    let turns = turned && (no_noise || doubt.above(off, TURN_SIGMAS * sigma, margin));
+    let turns = doubt.decide(if no_noise { turned } else { turned.and(beyond) });
     Turn { turns, sharpness: 1.0 - angle_rad.cos(), error_rad, across_m: across_m / 2.0 }
 }
 
@@ -116,7 +118,7 @@ pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, thresholds: &Thres
             let room = (here - piece.start).min(piece.end - 1 - here);
             let mut k = 1;
             if let Some(turn) = shortest {
-                while k < 16 && doubt.above(reach_m, k as f64 * turn.across_m, 1e-3 * reach_m) {
+                while k < 16 && doubt.decide(Answer::above(reach_m, k as f64 * turn.across_m, 1e-3 * reach_m)) {
                     k *= 2;
                 }
             }
@@ -128,7 +130,7 @@ pub fn row_lines(points: &[Option<Vector3<f64>>], size: Size, thresholds: &Thres
             match long.filter(|turn| turn.turns) {
                 Some(turn) => {
                     let margin = 3.0 * turn.error_rad;
-                    if sharpest.is_none_or(|(most, _)| doubt.above(turn.sharpness, most, margin)) {
+                    if sharpest.is_none_or(|(most, _)| doubt.decide(Answer::above(turn.sharpness, most, margin))) {
                         sharpest = Some((turn.sharpness, here));
                     }
                 }

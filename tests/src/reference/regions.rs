@@ -4,7 +4,7 @@
 
 use super::Image;
 use super::beams::Beams;
-use super::doubt::Doubt;
+use super::doubt::{Answer, Doubt};
 use super::labels::Class;
 use super::lines::{Line, RowLines, Thresholds, points, row_lines};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -30,7 +30,7 @@ pub struct Regions {
     pub breaks: Vec<bool>,
     /// The label of each pixel's region, from 1 in scan order of their first pixels; 0 in none.
     pub labels: Vec<u32>,
-    /// How sure the decisions were.
+    /// The decisions that single precision may turn.
     pub doubt: Doubt,
 }
 
@@ -75,15 +75,15 @@ impl Grower<'_> {
         region
     }
 
-    fn has_plane(&mut self, axes: &Axes) -> bool {
+    fn has_plane(&self, axes: &Axes) -> Answer {
         let thin_m = self.thresholds.range_noise_m + 0.001;
         let threshold = thin_m * thin_m + 4e-6 * axes.squares_m2[2];
         // the middle one of three, of points rounded a little differently
-        self.doubt.above(axes.squares_m2[1], threshold, 5e-7 * axes.squares_m2[2] + 0.02 * threshold)
+        Answer::above(axes.squares_m2[1], threshold, 5e-7 * axes.squares_m2[2] + 0.02 * threshold)
     }
 
     /// Whether a point is near a plane.
-    fn near(&mut self, plane: &Axes, point: &Vector3<f64>) -> bool {
+    fn near(&self, plane: &Axes, point: &Vector3<f64>) -> Answer {
         let normal = plane.vectors[0];
         let distance_m = normal.dot(&(point - plane.centroid)).abs();
         let cos = normal.dot(&point.normalize()).abs();
@@ -97,11 +97,11 @@ impl Grower<'_> {
             tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.thresholds.range_noise_m)
         };
         let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
-        !self.doubt.above(distance_m, tolerance_m, 2.0 * margin)
+        !Answer::above(distance_m, tolerance_m, 2.0 * margin)
     }
 
     /// Whether the way from a region without a plane to a point is a step.
-    fn is_step(&mut self, region: &Axes, point: &Vector3<f64>) -> bool {
+    fn is_step(&self, region: &Axes, point: &Vector3<f64>) -> Answer {
         let (along, way) = (region.vectors[2], point - region.centroid);
         let off = way - along * along.dot(&way);
         let beam = point.normalize();
@@ -110,29 +110,32 @@ impl Grower<'_> {
         let slack_m = self.thresholds.plane_distance_m + DISTANCE_SIGMAS * self.thresholds.range_noise_m;
         let turned = 1e-6 + 0.1 * UNIT_M / (region.squares_m2[2] - region.squares_m2[1]).max(1e-12).sqrt();
         let margin = 1e-3 * slack_m + 1e-3 * deep_m + (0.1 * UNIT_M + turned * way.norm()) * (1.0 + GRAZING_COT);
-        self.doubt.above(deep_m, across_m * GRAZING_COT + slack_m, margin)
+        Answer::above(deep_m, across_m * GRAZING_COT + slack_m, margin)
     }
 
     /// How well a region takes a line, if it does: whether it has a plane, and its points.
     fn takes(&mut self, region: usize, line: &[Vector3<f64>], ends: &[Vector3<f64>; 2]) -> Option<(bool, usize)> {
-        self.doubt.doubtful += ends.iter().filter(|end| end.norm() < NEAREST_M).count();
         let own = axes(&self.regions[region]);
-        let planar = self.has_plane(&own);
-        let takes = if planar {
-            ends.iter().all(|end| self.near(&own, end))
+        let has_plane = self.has_plane(&own);
+        let planar = self.doubt.decide(has_plane);
+        let [first, last] = if planar {
+            ends.map(|end| self.near(&own, &end))
         } else {
             let both = axes(&[self.regions[region].as_slice(), line].concat());
-            ends.iter().all(|end| self.near(&both, end) && !self.is_step(&own, end))
+            ends.map(|end| self.near(&both, &end).and(!self.is_step(&own, &end)))
         };
+        let digits = ends.iter().all(|end| end.norm() >= NEAREST_M);
+        let takes = first.and(last);
+        let takes = self.doubt.decide(Answer { sure: takes.sure && digits, ..takes });
         takes.then_some((planar, self.regions[region].len()))
     }
 
     /// Whether two regions are one, once something else says that they could be.
     fn meets(&mut self, one: usize, other: usize) -> bool {
         let (one, other) = (axes(&self.regions[one]), axes(&self.regions[other]));
-        [(&one, &other), (&other, &one)]
-            .into_iter()
-            .all(|(plane, other)| !self.has_plane(plane) || self.near(plane, &other.centroid))
+        let goes_with = |plane: &Axes, other: &Axes| (!self.has_plane(plane)).or(self.near(plane, &other.centroid));
+        let both = goes_with(&one, &other).and(goes_with(&other, &one));
+        self.doubt.decide(both)
     }
 
     fn join(&mut self, into: usize, from: usize) {
@@ -173,14 +176,17 @@ impl Grower<'_> {
     }
 }
 
-/// Grows regions: rows from the first, lines from the left.
-pub fn regions(image: &Image, beams: &Beams, thresholds: &Thresholds) -> Regions {
+/// Grows regions: rows from the first, lines from the left. `given`: how the first decisions that
+/// are in doubt are to be decided.
+pub fn regions(image: &Image, beams: &Beams, thresholds: &Thresholds, given: Vec<bool>) -> Regions {
     let size = image.size;
-    let mut grower = Grower { thresholds, doubt: Doubt::default(), regions: Vec::new(), joined_into: Vec::new() };
+    let doubt = Doubt { given, ..Doubt::default() };
+    let mut grower = Grower { thresholds, doubt, regions: Vec::new(), joined_into: Vec::new() };
     let mut region_of = vec![None; size.rows * size.columns];
     let mut breaks = vec![false; size.rows * size.columns];
     let mut above: Vec<(Line, usize)> = Vec::new();
     for row in 0..size.rows {
+        grower.doubt.row = row;
         let exact = points(image, beams, row);
         let RowLines { lines, seam } = row_lines(&exact, size, thresholds, &mut grower.doubt);
         let unit = |point: Vector3<f64>| point.map(|c| (c / UNIT_M).round() * UNIT_M);

@@ -2,7 +2,7 @@
 
 use std::ops::Neg;
 
-use crate::cloud::pinhole::{self, FORWARD, GRAPHICS, OPTICAL};
+use crate::cloud::pinhole;
 
 /// Where the axes of a cloud point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,16 +18,8 @@ pub enum Axes {
 impl Axes {
     /// Returns the axes of points in rows of so many columns; forward where they tell nothing else.
     pub(crate) fn of(points: &[[f32; 3]], columns: usize) -> Axes {
-        let is = |axes| pinhole::looks(points, columns, axes);
-        if is(FORWARD) {
-            Axes::Forward
-        } else if is(OPTICAL) {
-            Axes::Optical
-        } else if is(GRAPHICS) {
-            Axes::Graphics
-        } else {
-            Axes::Forward
-        }
+        let is = |axes: &Axes| pinhole::looks(points, columns, |point| axes.forward(point));
+        [Axes::Forward, Axes::Optical, Axes::Graphics].into_iter().find(is).unwrap_or(Axes::Forward)
     }
 
     /// Returns a point with x forward, y left, z up.

@@ -26,8 +26,11 @@ pub(crate) fn unpack(packed: &[u8], size: usize) -> Result<Vec<u8>, &'static str
             let back = ((control & 31) << 8) + usize::from(*rest.next().ok_or(SHORT)?) + 1;
             let start = out.len().checked_sub(back).ok_or("its packed points refer to what is not there")?;
             // what is copied may reach into what it makes
-            for i in start..start + length + 2 {
-                out.push(out[i]);
+            let mut left = length + 2;
+            while left > 0 {
+                let piece = left.min(out.len() - start);
+                out.extend_from_within(start..start + piece);
+                left -= piece;
             }
         }
         if out.len() > size {

@@ -3,14 +3,14 @@
 mod angular;
 pub(crate) mod axes;
 pub(crate) mod e57;
-mod fit;
+pub(crate) mod fit;
 mod lzf;
 pub(crate) mod number;
 pub(crate) mod pcd;
 mod pinhole;
 pub(crate) mod ply;
 mod ply_header;
-mod recognise;
+pub(crate) mod recognise;
 pub(crate) mod rings;
 
 use std::error::Error;

@@ -131,7 +131,9 @@ impl Header {
                 return Err(ScanError::damaged(PCD, format!("DATA {other} is not ascii, binary or binary_compressed")));
             }
         };
-        points.iter_mut().flat_map(|point| point.iter_mut().zip(self.origin)).for_each(|(x, origin)| *x -= origin);
+        if self.origin != [0.0; 3] {
+            points.iter_mut().flat_map(|point| point.iter_mut().zip(self.origin)).for_each(|(x, origin)| *x -= origin);
+        }
         Ok(points)
     }
 

@@ -3,32 +3,22 @@
 use crate::cloud::fit::Deviation;
 use crate::geometry::{Depth, Kind};
 
-/// Axes of a cloud: forward, right and down as combinations of x, y and z.
-pub(crate) type Axes = [[f32; 3]; 3];
-
-/// x forward, y left, z up.
-pub(crate) const FORWARD: Axes = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
-/// x right, y down, z forward, as cameras have it.
-pub(crate) const OPTICAL: Axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// x right, y up, z backward, as graphics have it.
-pub(crate) const GRAPHICS: Axes = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
-
 /// Returns whether the points lie as a camera sees them, more or less: one in front of the other
-/// columns to the right, rows downward.
-pub(crate) fn looks(points: &[[f32; 3]], columns: usize, axes: Axes) -> bool {
+/// columns to the right, rows downward. `forward` turns a point to x forward, y left, z up.
+pub(crate) fn looks(points: &[[f32; 3]], columns: usize, forward: impl Fn([f32; 3]) -> [f32; 3]) -> bool {
     let rows = points.len() / columns;
-    let Some([across, down]) = lines(points, columns, axes) else { return false };
+    let Some([across, down]) = lines(points, columns, forward) else { return false };
     let ordered = across.slope > 0.0 && down.slope > 0.0;
     let within = |line: &Line, count: usize| line.spread < 0.05 * line.slope.abs() * count as f64;
     ordered && within(&across, columns) && within(&down, rows)
 }
 
-/// Returns the camera that fits best, and how the points deviate from it; none of points that are not
-/// in front of one.
-pub(crate) fn fit(points: &[[f32; 3]], columns: usize, axes: Axes) -> Option<(Deviation, Kind)> {
-    let [across, down] = lines(points, columns, axes)?;
+/// Returns the camera that fits points best, x forward, y left, z up, and how they deviate from it; none
+/// of points that are not in front of one.
+pub(crate) fn fit(points: &[[f32; 3]], columns: usize) -> Option<(Deviation, Kind)> {
+    let [across, down] = lines(points, columns, |point| point)?;
     let mut deviation = Deviation::default();
-    for (row, column, right, low) in seen(points, columns, axes) {
+    for (row, column, right, low) in seen(points, columns, |point| point) {
         deviation.add(across.off(column, right) / across.slope, down.off(row, low) / down.slope);
     }
     let (fx_px, fy_px) = (1.0 / across.slope, 1.0 / down.slope);
@@ -38,11 +28,14 @@ pub(crate) fn fit(points: &[[f32; 3]], columns: usize, axes: Axes) -> Option<(De
 }
 
 /// Row, column, and where the point lies at a distance of 1: to the right, and down.
-fn seen(points: &[[f32; 3]], columns: usize, axes: Axes) -> impl Iterator<Item = (f64, f64, f64, f64)> {
+fn seen(
+    points: &[[f32; 3]],
+    columns: usize,
+    forward: impl Fn([f32; 3]) -> [f32; 3],
+) -> impl Iterator<Item = (f64, f64, f64, f64)> {
     points.iter().enumerate().filter(|(_, point)| **point != [0.0; 3]).map(move |(i, point)| {
-        let along = |axis: [f32; 3]| (0..3).map(|i| f64::from(axis[i] * point[i])).sum::<f64>();
-        let [forward, right, down] = axes.map(along);
-        ((i / columns) as f64, (i % columns) as f64, right / forward, down / forward)
+        let [forward, left, up] = forward(*point).map(f64::from);
+        ((i / columns) as f64, (i % columns) as f64, -left / forward, -up / forward)
     })
 }
 
@@ -62,17 +55,13 @@ impl Line {
 
 /// Returns the lines on which the points of columns and of rows lie; none if not all points lie in
 /// front, or if they lie in one column or row.
-fn lines(points: &[[f32; 3]], columns: usize, axes: Axes) -> Option<[Line; 2]> {
-    let behind = points.iter().filter(|point| **point != [0.0; 3]).any(|point| {
-        let forward: f32 = (0..3).map(|i| axes[0][i] * point[i]).sum();
-        forward <= 0.0
-    });
-    if behind {
+fn lines(points: &[[f32; 3]], columns: usize, forward: impl Fn([f32; 3]) -> [f32; 3]) -> Option<[Line; 2]> {
+    if points.iter().any(|point| *point != [0.0; 3] && forward(*point)[0] <= 0.0) {
         return None;
     }
     let mut across = Fit::default();
     let mut down = Fit::default();
-    for (row, column, right, low) in seen(points, columns, axes) {
+    for (row, column, right, low) in seen(points, columns, forward) {
         across.add(column, right);
         down.add(row, low);
     }

@@ -12,7 +12,7 @@ use crate::geometry::{Kind, TurnAxis};
 /// Returns the arrangement of the beams through points, row by row from the origin; where nothing was
 /// measured a point is 0.
 pub(crate) fn arrangement(points: &[[f32; 3]], columns: usize) -> Arrangement {
-    let camera = pinhole::fit(points, columns, pinhole::FORWARD);
+    let camera = pinhole::fit(points, columns);
     let certain = camera.as_ref().filter(|(deviation, _)| deviation.fits() && deviation.root_mean_square() < 0.02);
     if let Some((_, kind)) = certain {
         return Arrangement { kind: kind.clone(), beside: Beside::NONE };
@@ -31,11 +31,14 @@ pub(crate) fn arrangement(points: &[[f32; 3]], columns: usize) -> Arrangement {
     best.map_or_else(|| free(points, columns), |(_, arrangement)| arrangement)
 }
 
+/// Where a beam without a return points: a unit vector would say that it is known.
+pub(crate) const NOWHERE: [f32; 3] = [0.0; 3];
+
 /// Returns beams through the points.
 fn free(points: &[[f32; 3]], columns: usize) -> Arrangement {
     let direction = |point: &[f32; 3]| {
         let range = length(point);
-        if range > 0.0 { point.map(|x| (f64::from(x) / range) as f32) } else { [1.0, 0.0, 0.0] }
+        if range > 0.0 { point.map(|x| (f64::from(x) / range) as f32) } else { NOWHERE }
     };
     let directions: Vec<_> = points.iter().map(direction).collect();
     let kind = Kind::Free { wraps: wraps(points, columns), directions, columns };

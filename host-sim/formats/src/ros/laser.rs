@@ -5,9 +5,14 @@
 
 use std::sync::Arc;
 
+use crate::beside::Beside;
 use crate::cloud::Cloud;
+use crate::cloud::fit::length;
+use crate::cloud::recognise::NOWHERE;
 use crate::file::Cause;
+use crate::geometry::{Geometry, Kind};
 use crate::grey_image::MAX_PIXELS;
+use crate::range_image::RangeImage;
 use crate::ros::cdr::decode;
 use crate::ros::messages::LaserScan;
 use crate::ros::pose::Pose;
@@ -43,6 +48,31 @@ impl Row {
             at.of_point([range_m * beam_rad.cos(), range_m * beam_rad.sin(), 0.0]).map(|m| m as f32)
         };
         Some(Row { pose, points: scan.ranges.iter().enumerate().map(point).collect() })
+    }
+
+    /// Returns the row as a scan of one row, each beam at its own direction.
+    pub fn scan(&self, name: String, options: &ReadOptions) -> Result<Scan, Cause> {
+        let unit_m = options.unit_m.unwrap_or(1.0);
+        let pixel = |point: &[f32; 3]| {
+            let range_m = length(point);
+            let good = range_m.is_finite() && range_m > 0.0;
+            if good {
+                ((range_m * unit_m) as f32, point.map(|x| (f64::from(x) / range_m) as f32))
+            } else {
+                (0.0, NOWHERE)
+            }
+        };
+        let (range_m, directions): (Vec<f32>, Vec<[f32; 3]>) = self.points.iter().map(pixel).unzip();
+        let columns = range_m.len();
+        let measured = range_m.iter().filter(|range_m| **range_m > 0.0).count();
+        let kind = Kind::Free { directions, columns, wraps: false };
+        let geometry = match options.geometry()? {
+            Some(given) => Geometry { kind, beside: Beside::NONE, unit_m, no_return: vec![], ..given },
+            None => Geometry::of(kind),
+        };
+        let mut image = RangeImage { rows: 1, columns, range_m };
+        image.keep_within(&geometry);
+        Ok(Scan { name, image, geometry, measured, remarks: vec![] })
     }
 }
 
@@ -83,6 +113,11 @@ impl Sweep {
         }
         self.rows.push(row);
         None
+    }
+
+    /// Whether it has one row.
+    pub fn begins(&self) -> bool {
+        self.rows.len() == 1
     }
 
     /// Whether it has enough rows for a scan.

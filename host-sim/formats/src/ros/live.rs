@@ -30,6 +30,20 @@ pub struct Needed {
     pub latched: bool,
 }
 
+/// What has come.
+#[derive(Clone, Debug)]
+pub enum Came {
+    /// A row of a sweep that goes on, as a scan of one row.
+    Row {
+        /// The row.
+        row: LiveScan,
+        /// Whether a sweep begins with it.
+        begins: bool,
+    },
+    /// A whole scan; of a sweep all rows that came.
+    Scan(LiveScan),
+}
+
 /// A scan that has come.
 #[derive(Clone, Debug)]
 pub struct LiveScan {
@@ -48,6 +62,8 @@ pub struct LiveScans {
     topic: String,
     options: ReadOptions,
     source: Source,
+    /// What has come and was not taken.
+    ready: VecDeque<Came>,
 }
 
 enum Source {
@@ -75,7 +91,7 @@ impl LiveScans {
             "LaserScan" => Source::Lasers(Box::default()),
             _ => return None,
         };
-        Some(LiveScans { topic: topic.into(), options, source })
+        Some(LiveScans { topic: topic.into(), options, source, ready: VecDeque::new() })
     }
 
     /// Returns the topics that it takes, its own first.
@@ -96,18 +112,18 @@ impl LiveScans {
         }
     }
 
-    /// Takes a message. `topic` is its place in what is needed, `data` its CDR with the four bytes
-    /// before it. Returns the scan that it completes.
+    /// Adds a message. `topic` is its place in what is needed, `data` its CDR with the four bytes before
+    /// it. [`LiveScans::take`] gives what it completes.
     ///
     /// # Errors
     /// A message that is damaged, or has no scan.
-    pub fn push(&mut self, topic: usize, data: &[u8]) -> Result<Option<LiveScan>, Cause> {
+    pub fn push(&mut self, topic: usize, data: &[u8]) -> Result<(), Cause> {
         let name = self.topic.clone();
         match (&mut self.source, topic) {
             (Source::Clouds, _) => {
                 let message: PointCloud2<'_> = decode("PointCloud2", data)?;
                 let (scan, axes) = cloud::points(&message)?.into_scan_with_axes(name, &self.options)?;
-                Ok(Some(LiveScan::of(scan, message.header, axes)))
+                self.ready.push_back(Came::Scan(LiveScan::of(scan, message.header, axes)));
             }
             (Source::Depths { camera }, 0) => {
                 let Some(camera) = camera else {
@@ -115,17 +131,24 @@ impl LiveScans {
                     return Err(ScanError::lacks("a depth image", format!("a message on {lacking} before it")).into());
                 };
                 let scan = depth::scan(name, data, camera, &self.options)?;
-                Ok(Some(LiveScan::of(scan, decode::<Image<'_>>("Image", data)?.header, Axes::Optical)))
+                let header = decode::<Image<'_>>("Image", data)?.header;
+                self.ready.push_back(Came::Scan(LiveScan::of(scan, header, Axes::Optical)));
             }
-            (Source::Depths { camera }, _) => {
-                *camera = Some(Box::new(decode("CameraInfo", data)?));
-                Ok(None)
-            }
-            (Source::Lasers(lasers), topic) => {
-                lasers.push(topic, data)?;
-                lasers.advance(&name, &self.options)
-            }
+            (Source::Depths { camera }, _) => *camera = Some(Box::new(decode("CameraInfo", data)?)),
+            (Source::Lasers(lasers), topic) => lasers.push(topic, data)?,
         }
+        Ok(())
+    }
+
+    /// Returns the next of what has come, in the order of time; none until there is more.
+    ///
+    /// # Errors
+    /// A sweep that is no scan.
+    pub fn take(&mut self) -> Result<Option<Came>, Cause> {
+        if let (Source::Lasers(lasers), true) = (&mut self.source, self.ready.is_empty()) {
+            lasers.advance(&self.topic, &self.options, &mut self.ready)?;
+        }
+        Ok(self.ready.pop_front())
     }
 }
 
@@ -152,29 +175,32 @@ impl Lasers {
         Ok(())
     }
 
-    /// Takes the rows whose turn is known by now, up to the end of a sweep.
-    fn advance(&mut self, name: &str, options: &ReadOptions) -> Result<Option<LiveScan>, Cause> {
+    /// Takes the next row, if its turn is known by now, and with it the sweep that ends before it.
+    fn advance(&mut self, name: &str, options: &ReadOptions, ready: &mut VecDeque<Came>) -> Result<(), Cause> {
         while let Some(row) = self.waiting.front() {
             // until something has turned, nothing is known
-            let Ok(turned) = self.turning.of(&row.header.frame_id) else { return Ok(None) };
+            let Ok(turned) = self.turning.of(&row.header.frame_id) else { return Ok(()) };
             let begun_ns = row.header.stamp.ns();
             let lasts_ns = f64::from(row.time_increment) * 1e9 * row.ranges.len() as f64;
             if turned.last_ns().is_none_or(|last_ns| last_ns < begun_ns.saturating_add(lasts_ns as i64)) {
-                return Ok(None);
+                return Ok(());
             }
             let points = Row::of(row, &turned);
-            let header = row.header.clone();
+            let header = Header { frame_id: turned.frame.clone(), ..row.header.clone() };
             self.waiting.pop_front();
             self.turning.forget_before(begun_ns.saturating_sub(REMEMBERED_NS));
             let Some(points) = points else { continue };
-            let before = std::mem::replace(&mut self.last, header);
-            if let Some(sweep) = self.sweep.push(points).filter(Sweep::is_scan) {
-                let scan = sweep.scan(name.into(), &turned, options)?;
-                let header = Header { frame_id: turned.frame.clone(), ..before };
-                return Ok(Some(LiveScan::of(scan, header, Axes::Forward)));
-            }
+            let before = std::mem::replace(&mut self.last, header.clone());
+            let row = LiveScan::of(points.scan(name.into(), options)?, header, Axes::Forward);
+            let ended = self.sweep.push(points);
+            let sweep = ended.filter(Sweep::is_scan).map(|sweep| sweep.scan(name.into(), &turned, options));
+            let sweep = sweep.transpose().map(|scan| scan.map(|scan| LiveScan::of(scan, before, Axes::Forward)));
+            let row = Came::Row { row, begins: self.sweep.begins() };
+            let (sweep, failed) = sweep.map_or_else(|e| (None, Err(e)), |sweep| (sweep, Ok(())));
+            ready.extend(sweep.map(Came::Scan).into_iter().chain([row]));
+            return failed;
         }
-        Ok(None)
+        Ok(())
     }
 }
 
@@ -207,17 +233,35 @@ mod tests {
             ranges: vec![2.0; 21],
             ..LaserScan::default()
         };
-        let mut found = vec![];
+        let (mut found, mut rows, mut begun) = (vec![], 0, vec![]);
         // up for 1 s, down for 1 s, in steps of 0.05 s
         for i in 0..45 {
             let s = f64::from(i) * 0.05;
             let mut row = laser.clone();
             row.header.stamp = stamp(s);
             // the turn comes after the row
-            found.extend(scans.push(0, &cdr(&row)).unwrap());
-            found.extend(scans.push(3, &joints(s, (1.0 - (s % 2.0 - 1.0).abs()) / 2.0)).unwrap());
+            scans.push(0, &cdr(&row)).unwrap();
+            assert!(scans.take().unwrap().is_none());
+            scans.push(3, &joints(s, (1.0 - (s % 2.0 - 1.0).abs()) / 2.0)).unwrap();
+            while let Some(came) = scans.take().unwrap() {
+                match came {
+                    Came::Row { row, begins } => {
+                        assert_eq!((row.scan.image.rows, row.scan.image.columns, row.scan.measured), (1, 21, 21));
+                        assert_eq!((row.stamp_ns, &*row.frame), (stamp(0.05 * rows as f64).ns(), "laser"));
+                        if begins {
+                            begun.push(rows);
+                        }
+                        rows += 1;
+                    }
+                    Came::Scan(scan) => found.push(scan),
+                }
+            }
         }
         assert_eq!(found.len(), 2);
+        // rows come at once, whole sweeps with the row that begins the next one
+        let of_first = found[0].scan.image.rows;
+        assert_eq!((begun[0], begun[1], begun[2]), (0, of_first, of_first + found[1].scan.image.rows));
+        assert!(rows >= 43, "{rows}");
         assert!((20..=23).contains(&found[0].scan.image.rows), "{}", found[0].scan.image.rows);
         assert_eq!(found[0].frame, "laser");
         assert!((1_000_000_000..=1_100_000_000).contains(&found[0].stamp_ns), "{}", found[0].stamp_ns);
@@ -240,8 +284,10 @@ mod tests {
         });
         assert!(scans.push(0, &image).unwrap_err().to_string().contains("/cam/camera_info"));
         let k = [50.0, 0.0, 1.0, 0.0, 50.0, 0.5, 0.0, 0.0, 1.0];
-        assert!(scans.push(1, &cdr(&CameraInfo { k, ..CameraInfo::default() })).unwrap().is_none());
-        let found = scans.push(0, &image).unwrap().unwrap();
+        scans.push(1, &cdr(&CameraInfo { k, ..CameraInfo::default() })).unwrap();
+        assert!(scans.take().unwrap().is_none());
+        scans.push(0, &image).unwrap();
+        let Some(Came::Scan(found)) = scans.take().unwrap() else { panic!("no scan") };
         assert_eq!((found.stamp_ns, &*found.frame, found.axes), (2_500_000_000, "optical", Axes::Optical));
         assert!(LiveScans::new("/x", "sensor_msgs/msg/Imu", ReadOptions::default()).is_none());
     }

@@ -19,6 +19,6 @@ mod survey;
 mod turned;
 mod velodyne;
 
-pub use live::{LiveScan, LiveScans, Needed};
+pub use live::{Came, LiveScan, LiveScans, Needed};
 pub(crate) use recording::is_folder_of_one;
 pub(crate) use scans::{frames_of_db3, frames_of_mcap};

@@ -45,7 +45,7 @@ impl Incoming {
         let mut buffer = vec![0; usize::from(u16::MAX)];
         // nobody waits for a packet that has not been taken
         let incoming = Incoming::new(WAITING, false, move || {
-            let length = socket.recv(&mut buffer).ok()?;
+            let length = unbroken(|| socket.recv(&mut buffer))?;
             Some(buffer[..length].to_vec())
         });
         Ok((incoming, bound))
@@ -58,10 +58,21 @@ impl Incoming {
             path => Box::new(File::open(path).map_err(|e| format!("{path}: {e}"))?),
         };
         let mut buffer = vec![0; 4096];
-        Ok(Incoming::new(WAITING, true, move || match source.read(&mut buffer) {
-            Ok(0) | Err(_) => None,
-            Ok(length) => Some(buffer[..length].to_vec()),
+        Ok(Incoming::new(WAITING, true, move || {
+            let length = unbroken(|| source.read(&mut buffer)).filter(|length| *length > 0)?;
+            Some(buffer[..length].to_vec())
         }))
+    }
+}
+
+/// Returns what a call to the system returns, none if it fails. One that a signal broke off, as when the
+/// program stood still and goes on, is made again.
+pub fn unbroken<T>(mut call: impl FnMut() -> io::Result<T>) -> Option<T> {
+    loop {
+        match call() {
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            result => return result.ok(),
+        }
     }
 }
 

@@ -2,26 +2,25 @@
 
 mod cdr;
 mod published;
+mod session;
 mod topics;
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use ros2_client::{Context, ContextOptions, NodeName, NodeOptions};
 use scanseg_formats::ReadOptions;
-use scanseg_formats::ros::{LiveScan, LiveScans};
-use scanseg_sim::export::Segmented;
-use scanseg_sim::segmentation::Segmentation;
+use scanseg_formats::ros::{Came, LiveScans};
 
-use crate::command::input::Input;
 use crate::command::live::packets::{Packets, stop};
 use crate::command::live::report::Report;
-use crate::command::options::{Options, in_terms_of_options};
-use crate::command::output::{Failure, print, warn};
+use crate::command::options::Options;
+use crate::command::output::{Failure, print};
 use crate::command::ros2::published::Published;
+use crate::command::ros2::session::Session;
 use crate::command::ros2::topics::Topics;
 
 /// Segment what a topic of ROS 2 brings, while it comes
@@ -29,7 +28,7 @@ use crate::command::ros2::topics::Topics;
 /// PointCloud2 (organised), Image of depths with the camera_info beside it, or LaserScan with what
 /// turns it (/tf, or the only joint of /joint_states that moves). No ROS need be installed. Publishes
 /// /scanseg/points, the scan as a PointCloud2 with rgb and label, and /scanseg/planes, its segments as
-/// markers. Each scan prints a line: its planes, the rate, how long it waits from its arrival until it
+/// markers; of a LaserScan also /scanseg/rows, each row as soon as its turn is known. Each scan prints a line: its planes, the rate, how long it waits from its arrival until it
 /// is published, and what was lost. Ctrl-C ends it. The domain is that of ROS_DOMAIN_ID.
 #[derive(Args)]
 pub struct Arguments {
@@ -58,9 +57,12 @@ pub struct Arguments {
 /// So often it is looked for a topic that is not there.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// So long the last messages have to get to those that listen; nothing tells whether they have.
+const LAST: Duration = Duration::from_millis(200);
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let stop = stop();
-    let mut report = Report::new("scan", arguments.out.as_deref(), arguments.scans, arguments.min_pixels)?;
+    let report = Report::new("scan", arguments.out.as_deref(), arguments.scans, arguments.min_pixels)?;
     let context = Context::with_options(ContextOptions::new().domain_id(domain()?))?;
     let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
     let mut node = context.new_node(NodeName::new("/", "scanseg")?, options)?;
@@ -81,37 +83,40 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let kind = kind.strip_suffix('_').unwrap_or(&kind);
     let read = ReadOptions { geometry: arguments.geometry.clone(), unit_m: arguments.unit_m, ..ReadOptions::default() };
-    let mut scans = LiveScans::new(&arguments.topic, kind, read)
+    let scans = LiveScans::new(&arguments.topic, kind, read)
         .ok_or_else(|| format!("{}: no scans are read of {kind}", arguments.topic))?;
     let topics = Topics::subscribe(&context, &node, &scans.needed())?;
     let lost = topics.lost();
-    let mut packets = Packets { incoming: topics.incoming()?, stop };
+    let packets = Packets { incoming: topics.incoming()?, stop };
     print(&format!("listening to {} ({kind})\n", arguments.topic))?;
 
-    let (mut strange, mut unseen) = (0u64, 0u64);
-    while let Some(packet) = packets.next() {
-        let (topic, message) = packet.content;
-        let scan = match scans.push(topic, &message) {
-            Ok(Some(scan)) => scan,
-            Ok(None) => continue,
-            Err(e) => {
-                // said once, counted always
-                if strange == 0 {
-                    warn(&format!("{}: {e}", arguments.topic));
+    let mut session = Session {
+        topic: &arguments.topic,
+        options: &arguments.options,
+        min_pixels: arguments.min_pixels,
+        scans,
+        packets,
+        published,
+        report,
+        lost,
+        came: Instant::now(),
+        strange: 0,
+        unsent: 0,
+    };
+    let mut next = session.next();
+    while let Some(came) = next {
+        next = match came {
+            Came::Scan(scan) => {
+                if session.scan(scan)? {
+                    session.next()
+                } else {
+                    None
                 }
-                strange += 1;
-                continue;
             }
+            Came::Row { row, .. } => session.rows(row)?,
         };
-        let refused = published.publish(scan, &arguments.options, arguments.min_pixels, &mut report)?;
-        unseen += refused;
-        report.packet_done(packet.came);
-        let (lost, slow) = (lost.load(Ordering::Relaxed), packets.dropped());
-        let said = format!("lost {lost} messages, {slow} too slow, {strange} strange, {unseen} not sent");
-        if !report.turn_done(&said)? {
-            break;
-        }
     }
+    sleep(LAST);
     Ok(())
 }
 
@@ -122,26 +127,5 @@ fn domain() -> Result<u16, Failure> {
             text.parse().map_err(|_| format!("ROS_DOMAIN_ID is {text}, not a number").into())
         }
         _ => Ok(0),
-    }
-}
-
-impl Published {
-    /// Segments a scan and publishes it. Returns how many messages could not be sent.
-    fn publish(&self, live: LiveScan, options: &Options, min_pixels: u32, report: &mut Report) -> Result<u64, Failure> {
-        let LiveScan { scan, stamp_ns, frame, axes } = live;
-        let input = Input::from(scan);
-        let config = options.config(&input.geometry)?;
-        let found = Segmentation::of(&input.ranges, &input.geometry, config, options.max_labels(), || {})
-            .map_err(|e| in_terms_of_options(&input.name, e))?;
-        let segmented = Segmented {
-            image: &input.returns(&config.ranging()),
-            geometry: &input.geometry,
-            ranging: &config.ranging(),
-            range_noise_m: &[],
-            labels: &found.numbers(min_pixels),
-            segments: found.of_pixels(min_pixels),
-        };
-        report.take(input.ranges.rows, &found.segments);
-        Ok(self.send(&segmented, stamp_ns, &frame, axes))
     }
 }

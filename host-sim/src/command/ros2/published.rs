@@ -2,9 +2,12 @@
 
 use ros2_client::qos::{History, QosProfile, WhenFull};
 use ros2_client::{MessageTypeName, Name, Node, Publisher};
-use scanseg_formats::Axes;
+use scanseg_core::Ranging;
+use scanseg_formats::ros::LiveScan;
+use scanseg_formats::{Axes, Scan};
 use scanseg_sim::export::messages::{cloud, planes};
 use scanseg_sim::export::{Header, MarkerArray, PointCloud2, Segmented};
+use scanseg_sim::segmentation::within_limits;
 
 use crate::command::output::Failure;
 
@@ -16,6 +19,7 @@ const QOS: QosProfile =
 /// The topics that are published.
 pub struct Published {
     points: Publisher<PointCloud2>,
+    rows: Publisher<PointCloud2>,
     planes: Publisher<MarkerArray>,
 }
 
@@ -25,8 +29,20 @@ impl Published {
             Ok(node.create_topic(&Name::new("/scanseg", name)?, MessageTypeName::new(package, kind), &QOS)?)
         };
         let points = topic(node, "points", "sensor_msgs", "PointCloud2")?;
+        let rows = topic(node, "rows", "sensor_msgs", "PointCloud2")?;
         let planes = topic(node, "planes", "visualization_msgs", "MarkerArray")?;
-        Ok(Published { points: node.create_publisher(&points, None)?, planes: node.create_publisher(&planes, None)? })
+        let (points, rows) = (node.create_publisher(&points, None)?, node.create_publisher(&rows, None)?);
+        Ok(Published { points, rows, planes: node.create_publisher(&planes, None)? })
+    }
+
+    /// Sends a row with the labels that its pixels have so far. Returns how many messages could not be
+    /// sent.
+    pub fn send_row(&self, row: &LiveScan, labels: &[u32], ranging: &Ranging) -> u64 {
+        let Scan { image, geometry, .. } = &row.scan;
+        let image = &within_limits(image, ranging);
+        let row_of = Segmented { image, geometry, ranging, range_noise_m: &[], labels, segments: &[] };
+        let header = Header::new(row.stamp_ns, &row.frame);
+        u64::from(self.rows.publish(cloud(&row_of, 0..1, header, row.axes)).is_err())
     }
 
     /// Sends a scan. Returns how many of its messages could not be sent.

@@ -11,7 +11,7 @@ use ros2_client::qos::{Durability, History, QosProfile, WhenFull};
 use ros2_client::{Context, Gid, MessageInfo, MessageTypeName, Name, Node};
 use scanseg_formats::ros::Needed;
 
-use crate::command::live::incoming::Incoming;
+use crate::command::live::incoming::{Incoming, unbroken};
 use crate::command::output::Failure;
 use crate::command::ros2::cdr::AsItIs;
 
@@ -82,7 +82,7 @@ impl Topics {
                     }
                     next = i;
                 }
-                poll.poll(&mut events, None).ok()?;
+                unbroken(|| poll.poll(&mut events, None))?;
                 next = readers.len();
             }
         }))

@@ -6,7 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 /// Returns `task(i)` for i from 0 to `count` - 1, in order. The tasks run on all cores.
-pub(super) fn in_parallel<T: Send>(count: usize, task: impl Fn(usize) -> T + Sync) -> Vec<T> {
+///
+/// # Panics
+/// If a task does.
+pub fn in_parallel<T: Send>(count: usize, task: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(count)));
     thread::scope(|threads| {
         for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
