@@ -64,6 +64,10 @@ const HARD_MOST: f64 = 1280.0;
 /// that loses nothing, MHz.
 const PACED_MOST: [(f64, u32, u32); 3] = [(650.0, 120, 84), (1020.0, 135, 90), (1160.0, 190, 126)];
 
+/// Approaches with each beam at its own turn, the suffixes of their images, and their ceilings,
+/// instructions per point on the Cortex-M4F.
+const OWN_TURNS: [(&str, &str, f64); 2] = [("edge-based", "", 900.0), ("default", "-plane", 1660.0)];
+
 /// The interrupt of each byte and its queue take some 80 instructions per point of those of the MPS2.
 ///
 /// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet
@@ -188,8 +192,15 @@ fn check(images: &Path, only: Option<&str>) -> Result<bool> {
         good &= framework("RTIC", &images.join("rtic"), &stream, expected)?;
         let expected = host::expected_async(&stream, &MPS2, Approach::Edge)?;
         good &= framework("embassy", &images.join("embassy"), &stream, expected)?;
+        for (name, suffix, most) in OWN_TURNS {
+            let image = images.join(format!("mps2{suffix}-turns"));
+            let Figures { labels, .. } =
+                paced(&image, (recording.rows() * usize::from(MPS2.variant.columns())) as f64)?;
+            println!("{name}, each beam at its own turn: {labels:.0} instructions/point, at most {most}");
+            good &= labels <= most;
+        }
         println!("default, hard scenes");
-        let worst = hard(&images.join("mps2-plane-hard"))?;
+        let worst = paced(&images.join("mps2-plane-hard"), 1.0)?;
         println!(
             "{}: dearest row {:.0} 000 instructions, dearest end {:.0} 000",
             MACHINES[0].core, worst.row, worst.end
@@ -202,11 +213,12 @@ fn check(images: &Path, only: Option<&str>) -> Result<bool> {
     Ok(good)
 }
 
-/// Returns the figures of an image that has the hard scenes in it.
-fn hard(image: &Path) -> Result<Figures> {
+/// Returns the figures of an image that has scanner and encoder in it, for so many points.
+fn paced(image: &Path, points: f64) -> Result<Figures> {
     let link = qemu::run_paced(MACHINES[0].name, image, byte_ticks(BOARD_MHZ))?;
-    let record = link.split_at(link.len().saturating_sub(4 * (1 + COUNT))).1;
-    Figures::read(record, MACHINES[0].tick_ns, 1.0, 0).ok_or_else(|| "hard scenes: no figures came".into())
+    let (link, record) = link.split_at(link.len().saturating_sub(4 * (1 + COUNT)));
+    Figures::read(record, MACHINES[0].tick_ns, points, link.len())
+        .ok_or_else(|| format!("{}: no figures came", image.display()).into())
 }
 
 /// Runs an image of a framework. Returns whether it sends what the host sends.
