@@ -47,6 +47,9 @@ done
 for framework in rtic embassy; do
     image $framework thumbv7em-none-eabihf $framework $framework
 done
+# each beam at its own turn
+image mps2 thumbv7em-none-eabihf turns,figures mps2-turns
+image mps2 thumbv7em-none-eabihf plane,turns,figures mps2-plane-turns
 # scenes that make much work, for the dearest row
 mkdir "$images/hard"
 cargo run --quiet -p firmware-check -- --tape "$images/hard" hard

@@ -1,6 +1,7 @@
 //! The approach of an image. The features choose it here and nowhere else.
 
 use scanseg_core::{Approach, EdgeConfig, PlaneConfig, Ranging, RegionConfig};
+use scanseg_hal::lms2xx::Settings;
 
 /// What is known of the ranges. Nearer ones are those of the robot's own frame.
 const RANGING: Ranging = Ranging::new(0.01).with_limits(0.48, 100.0);
@@ -45,6 +46,18 @@ mod image {
     /// The approach.
     pub const APPROACH: scanseg_core::Approach = scanseg_core::Approach::Edge;
     pub use scanseg_core::EdgeSegmenter as ImageSegmenter;
+}
+
+/// What the rig of an image knows of its scanner.
+#[cfg(not(feature = "turns"))]
+pub const fn of_scanner(settings: Settings) -> Settings {
+    settings
+}
+
+/// What the rig of an image knows of its scanner: each beam has the turn angle of its own time.
+#[cfg(feature = "turns")]
+pub const fn of_scanner(settings: Settings) -> scanseg_hal::rig::OwnTurns {
+    scanseg_hal::rig::OwnTurns::new(settings)
 }
 
 pub use image::{APPROACH, CONFIG, ImageSegmenter};

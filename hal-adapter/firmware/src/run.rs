@@ -8,7 +8,7 @@ use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
 use scanseg_hal::link::Reporter;
 use scanseg_hal::lms2xx::{Baud, MeasuringMode, Session, Settings, Unit, Variant};
-use scanseg_hal::rig::{Rig, TiltLimits};
+use scanseg_hal::rig::{LmsRows, Rig, TiltLimits};
 
 use crate::figures::Timed;
 
@@ -114,11 +114,11 @@ pub struct Ports<R, D, W> {
 /// Runs until the scanner's port ends, which on a board is never. `lost` returns the bytes that the
 /// port has lost by late interrupts and by a full queue. `ask` is called where
 /// [`ASK_FOR_FIGURES`] comes.
-pub fn run<R: Read, W: Write>(
+pub fn run<R: Read, W: Write, K: LmsRows>(
     ports: Ports<R, impl SpiDevice, W>,
     settings: &Settings,
     session: &mut Session,
-    rig: &mut Rig<'_, Timed<impl Segmenter>>,
+    rig: &mut Rig<'_, Timed<impl Segmenter>, K>,
     lost: impl Fn() -> (u32, u32),
     mut ask: impl FnMut(),
 ) -> ReadExactError<R::Error> {

@@ -55,6 +55,8 @@ pub struct Figures {
     /// segmenter's.
     pub row: f64,
     pub end: f64,
+    /// Thousands of instructions' times from the last byte of a telegram to its labels, at most.
+    pub latency: f64,
 }
 
 impl Figures {
@@ -62,7 +64,7 @@ impl Figures {
     /// once.
     pub fn read(record: &[u8], tick_ns: f64, points: f64, sent: usize) -> Option<Self> {
         let words: Vec<u32> = record.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _, deepest, late, full, row, end] =
+        let [MAGIC, ticks, in_segmenter, in_sink, waits, empty_ticks, stack, _, deepest, late, full, row, end, latency] =
             words[..]
         else {
             return None;
@@ -74,7 +76,7 @@ impl Figures {
         let sent = sent as f64;
         let (all, frames) = (without_waits(ticks, waits.into()), without_waits(in_sink, sent));
         let segmenter = without_waits(in_segmenter, sent) - frames;
-        let [row, end] = [row, end].map(|ticks| 1e-3 * f64::from(ticks) * tick_ns / INSTRUCTION_NS);
-        Some(Self { labels: all - frames, frames, segmenter, stack, deepest, lost: late + full, row, end })
+        let [row, end, latency] = [row, end, latency].map(|ticks| 1e-3 * f64::from(ticks) * tick_ns / INSTRUCTION_NS);
+        Some(Self { labels: all - frames, frames, segmenter, stack, deepest, lost: late + full, row, end, latency })
     }
 }

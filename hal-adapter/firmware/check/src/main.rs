@@ -59,6 +59,15 @@ struct Most(f64, u32, u32);
 const ROW_MOST: [[f64; 3]; 2] = [[200.0, 710.0, 840.0], [1100.0, 4200.0, 5000.0]];
 const HARD_MOST: f64 = 1280.0;
 
+/// Ceilings of what is measured at the scanner's pace, by [`APPROACHES`]: thousands of instructions from
+/// the last byte of a row to its labels, bytes in the queue at [`BOARD_MHZ`], and the slowest processor
+/// that loses nothing, MHz.
+const PACED_MOST: [(f64, u32, u32); 3] = [(650.0, 120, 84), (1020.0, 135, 90), (1160.0, 190, 126)];
+
+/// Approaches with each beam at its own turn, the suffixes of their images, and their ceilings,
+/// instructions per point on the Cortex-M4F.
+const OWN_TURNS: [(&str, &str, f64); 2] = [("edge-based", "", 900.0), ("default", "-plane", 1660.0)];
+
 /// The interrupt of each byte and its queue take some 80 instructions per point of those of the MPS2.
 ///
 /// A Cortex-M4F is to need no more than 400 instructions per point edge-based, and does not yet
@@ -183,8 +192,15 @@ fn check(images: &Path, only: Option<&str>) -> Result<bool> {
         good &= framework("RTIC", &images.join("rtic"), &stream, expected)?;
         let expected = host::expected_async(&stream, &MPS2, Approach::Edge)?;
         good &= framework("embassy", &images.join("embassy"), &stream, expected)?;
+        for (name, suffix, most) in OWN_TURNS {
+            let image = images.join(format!("mps2{suffix}-turns"));
+            let Figures { labels, .. } =
+                paced(&image, (recording.rows() * usize::from(MPS2.variant.columns())) as f64)?;
+            println!("{name}, each beam at its own turn: {labels:.0} instructions/point, at most {most}");
+            good &= labels <= most;
+        }
         println!("default, hard scenes");
-        let worst = hard(&images.join("mps2-plane-hard"))?;
+        let worst = paced(&images.join("mps2-plane-hard"), 1.0)?;
         println!(
             "{}: dearest row {:.0} 000 instructions, dearest end {:.0} 000",
             MACHINES[0].core, worst.row, worst.end
@@ -197,11 +213,12 @@ fn check(images: &Path, only: Option<&str>) -> Result<bool> {
     Ok(good)
 }
 
-/// Returns the figures of an image that has the hard scenes in it.
-fn hard(image: &Path) -> Result<Figures> {
+/// Returns the figures of an image that has scanner and encoder in it, for so many points.
+fn paced(image: &Path, points: f64) -> Result<Figures> {
     let link = qemu::run_paced(MACHINES[0].name, image, byte_ticks(BOARD_MHZ))?;
-    let record = link.split_at(link.len().saturating_sub(4 * (1 + COUNT))).1;
-    Figures::read(record, MACHINES[0].tick_ns, 1.0, 0).ok_or_else(|| "hard scenes: no figures came".into())
+    let (link, record) = link.split_at(link.len().saturating_sub(4 * (1 + COUNT)));
+    Figures::read(record, MACHINES[0].tick_ns, points, link.len())
+        .ok_or_else(|| format!("{}: no figures came", image.display()).into())
 }
 
 /// Runs an image of a framework. Returns whether it sends what the host sends.
@@ -319,7 +336,8 @@ impl Machine {
         println!("           {summary:?}, {bytes} bytes equal");
         println!("           dearest row {:.0} 000 instructions, dearest end {:.0} 000", figures.row, figures.end);
         if self.wiring == Wiring::Apart {
-            let Figures { deepest, lost, .. } = figures;
+            let Figures { deepest, lost, latency, .. } = figures;
+            println!("           from the last byte of a row to its labels {latency:.0} 000 instructions");
             print!("           at {BOARD_MHZ} MHz {lost} bytes lost, deepest queue {deepest} of {ROOM} bytes");
             match slowest_mhz {
                 Some((loses, follows)) => println!("; bytes are lost at {loses} MHz, none at {follows}"),
@@ -328,7 +346,17 @@ impl Machine {
         }
         let &Most(most, most_flash, most_memory) = most;
         let row_most = ROW_MOST[usize::from(self.wiring == Wiring::Shared)][approach];
-        let good = (0.0..=most).contains(&figures.labels)
+        let (latency_most, deepest_most, mhz_most) = PACED_MOST[approach];
+        let follows = slowest_mhz.map_or(0, |(_, follows)| follows);
+        let paced = figures.latency <= latency_most && figures.deepest <= deepest_most && follows <= mhz_most;
+        if !paced {
+            println!(
+                "{}: above {latency_most} 000 instructions to the labels, a queue of {deepest_most} bytes, or {mhz_most} MHz",
+                self.core
+            );
+        }
+        let good = paced
+            && (0.0..=most).contains(&figures.labels)
             && figures.row <= row_most
             && size.flash() <= most_flash
             && memory <= most_memory

@@ -8,7 +8,7 @@ use core::mem::MaybeUninit;
 #[cfg(not(feature = "figures"))]
 use m0_float as _;
 use scanseg_core::buffers;
-use scanseg_firmware::approach::{APPROACH, CONFIG, ImageSegmenter, microbit_areas};
+use scanseg_firmware::approach::{APPROACH, CONFIG, ImageSegmenter, microbit_areas, of_scanner};
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
 use scanseg_firmware::run::{MICROBIT, Ports, limits, run};
@@ -47,7 +47,7 @@ fn main() -> ! {
     let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
     let segmenter = ImageSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
     if let Ok(segmenter) = segmenter
-        && let Ok(mut rig) = Rig::new(MICROBIT, limits(&MICROBIT), Timed(segmenter), ROWS_M)
+        && let Ok(mut rig) = Rig::new(of_scanner(MICROBIT), limits(&MICROBIT), Timed(segmenter), ROWS_M)
     {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
         run(ports, &MICROBIT, session, &mut rig, || (0, 0), || figures::send(link, [0; 3]));

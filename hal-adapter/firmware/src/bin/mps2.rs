@@ -7,7 +7,7 @@
 use core::mem::MaybeUninit;
 
 use scanseg_core::buffers;
-use scanseg_firmware::approach::{CONFIG, ImageSegmenter};
+use scanseg_firmware::approach::{CONFIG, ImageSegmenter, of_scanner};
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::interrupt::{self, Own};
 #[cfg(feature = "figures")]
@@ -79,7 +79,7 @@ fn main() -> ! {
         [0x4000_4000, 0x4000_5000, 0x4000_6000].map(|base| unsafe { Uart::new(base, DIVIDER) });
     let segmenter = ImageSegmenter::new(CONFIG, beams(MPS2.variant), COLUMNS, BUFFERS.memory());
     if let Ok(segmenter) = segmenter
-        && let Ok(mut rig) = Rig::new(MPS2, limits(&MPS2), Timed(segmenter), ROWS_M)
+        && let Ok(mut rig) = Rig::new(of_scanner(MPS2), limits(&MPS2), Timed(segmenter), ROWS_M)
     {
         let (input, bytes) = BYTES.split();
         let input = Input { bytes: input, lost: &LOST };

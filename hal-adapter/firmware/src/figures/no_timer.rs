@@ -18,6 +18,12 @@ pub fn now() -> u32 {
     0
 }
 
+/// Ticks since the last byte of a telegram.
+#[inline(always)]
+pub fn since_telegram() -> u32 {
+    0
+}
+
 /// Sends the record, with what it has of the queue.
 #[inline(always)]
 pub fn send(_link: impl embedded_io::Write, _queue: [u32; 3]) {}

@@ -8,8 +8,8 @@ use scanseg_core::{EdgeRow, Finished, Join, LabelRow, PushError, RowBeams, Segme
 use scanseg_hal::lms2xx::Trouble;
 use scanseg_hal::rig::{Dropped, RigSink, ScanFinished, ScanStarted};
 
-use super::record::{BEGAN, IN_SEGMENTER, IN_SINK, WORST_END, WORST_ROW, add};
-use super::timer::now;
+use super::record::{BEGAN, IN_SEGMENTER, IN_SINK, LATENCY, WORST_END, WORST_ROW, add};
+use super::timer::{now, since_telegram};
 
 /// A segmenter, or a sink, whose ticks are counted. Those of a segmenter include its sink's.
 #[derive(Debug)]
@@ -43,7 +43,11 @@ impl<S: Segmenter> Segmenter for Timed<S> {
         beams: impl Into<RowBeams<'r>>,
         sink: &mut T,
     ) -> Result<Status, PushError> {
-        timed_alone(&WORST_ROW, || self.0.push_row(ranges_m, beams, sink))
+        let done = timed_alone(&WORST_ROW, || self.0.push_row(ranges_m, beams, sink));
+        if cfg!(feature = "figures") {
+            LATENCY.store(LATENCY.load(Relaxed).max(since_telegram()), Relaxed);
+        }
+        done
     }
 
     fn finish<T: Sink + ?Sized>(&mut self, sink: &mut T) -> Finished {

@@ -5,7 +5,7 @@ use core::sync::atomic::Ordering::Relaxed;
 
 use embedded_io::Write;
 
-use super::record::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, MAGIC, WORST_END, WORST_ROW, add};
+use super::record::{COUNT, EMPTY_WAITS, IN_SEGMENTER, IN_SINK, LATENCY, MAGIC, WORST_END, WORST_ROW, add};
 use crate::register::Register;
 
 static WAITS: AtomicU32 = AtomicU32::new(0);
@@ -140,14 +140,25 @@ pub fn now() -> u32 {
     TICKS.load(Relaxed).wrapping_add(machine::since_start())
 }
 
+/// Ticks since the last byte of a telegram came.
+#[cfg(machine = "mps2")]
+pub use crate::paced::since_telegram;
+
+/// Ticks since the last byte of a telegram came: not measured where the port is polled.
+#[cfg(not(machine = "mps2"))]
+pub fn since_telegram() -> u32 {
+    0
+}
+
 /// Sends the record, see [`COUNT`], with what it has of the queue.
 pub fn send(mut link: impl Write, [deepest, overruns, queue_full]: [u32; 3]) {
     let ticks = now() - EMPTY_TICKS.load(Relaxed);
     let (used, there_are) = stack();
-    let [segmenter, sink, waits, empty, row, end] =
-        [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS, &WORST_ROW, &WORST_END].map(|word| word.load(Relaxed));
+    let [segmenter, sink, waits, empty, row, end, latency] =
+        [&IN_SEGMENTER, &IN_SINK, &WAITS, &EMPTY_TICKS, &WORST_ROW, &WORST_END, &LATENCY]
+            .map(|word| word.load(Relaxed));
     let words: [u32; COUNT] =
-        [ticks, segmenter, sink, waits, empty, used, there_are, deepest, overruns, queue_full, row, end];
+        [ticks, segmenter, sink, waits, empty, used, there_are, deepest, overruns, queue_full, row, end, latency];
     for word in [MAGIC].into_iter().chain(words) {
         let _ = link.write_all(&word.to_le_bytes());
     }
