@@ -1,9 +1,6 @@
 //! A scanner and an encoder in flash, for figures that repeat to the instruction: the scanner's
 //! bytes come by a timer, whether the program is ready for them or not.
 
-use core::sync::atomic::AtomicU32;
-use core::sync::atomic::Ordering::Relaxed;
-
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use scanseg_hal::lms2xx::Settings;
 
@@ -28,20 +25,6 @@ const VALUE: Register = unsafe { Register::at(0x4000_1004) };
 const RELOAD: Register = unsafe { Register::at(0x4000_1008) };
 // SAFETY: as above.
 const INTERRUPT: Register = unsafe { Register::at(0x4000_100C) };
-
-// SAFETY: these are registers of the first half of the dual timer on the boards AN386 and AN500.
-const WALL_VALUE: Register = unsafe { Register::at(0x4000_2004) };
-// SAFETY: as above.
-const WALL_CONTROL: Register = unsafe { Register::at(0x4000_2008) };
-
-/// What the dual timer had when the last byte of a telegram came.
-static TELEGRAM: AtomicU32 = AtomicU32::new(0);
-
-/// Returns the ticks since the last byte of a telegram came, by a timer that never stands.
-pub fn since_telegram() -> u32 {
-    // it counts down
-    TELEGRAM.load(Relaxed).wrapping_sub(WALL_VALUE.read())
-}
 
 /// Number of the interrupt of timer 1.
 pub const IRQ: usize = 9;
@@ -70,7 +53,7 @@ impl Tape {
 
     /// Starts the timer: a byte's time is so many of its ticks, 2 or more.
     pub fn start(ticks: u32) {
-        WALL_CONTROL.write(1 << 7 | 1 << 1); // on, 32 bits, without an end
+        figures::start_wall();
         RELOAD.write(ticks - 1);
         VALUE.write(ticks - 1);
         CONTROL.write(1 << 3 | 1);
@@ -90,7 +73,7 @@ impl Tape {
             }
             self.at += 1;
             if self.at == self.telegram {
-                TELEGRAM.store(WALL_VALUE.read(), Relaxed);
+                figures::telegram_came();
             }
             if self.at == self.period {
                 self.at = 0;

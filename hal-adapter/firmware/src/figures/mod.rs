@@ -14,4 +14,4 @@ pub use record::{COUNT, EMPTY_WAITS, MAGIC};
 pub use timed::Timed;
 pub use timer::{begin, now, pause, resume, send};
 #[cfg(all(feature = "figures", machine = "mps2"))]
-pub use timer::{count_interrupt, in_interrupt};
+pub use timer::{count_interrupt, in_interrupt, start_wall, telegram_came};

@@ -140,9 +140,37 @@ pub fn now() -> u32 {
     TICKS.load(Relaxed).wrapping_add(machine::since_start())
 }
 
-/// Ticks since the last byte of a telegram came.
+/// A timer that never stands: half of the dual timer on the boards AN386 and AN500.
 #[cfg(machine = "mps2")]
-pub use crate::paced::since_telegram;
+mod wall {
+    use super::{AtomicU32, Register, Relaxed};
+
+    // SAFETY: a register of the dual timer.
+    const VALUE: Register = unsafe { Register::at(0x4000_2004) };
+    // SAFETY: as above.
+    const CONTROL: Register = unsafe { Register::at(0x4000_2008) };
+
+    /// What it had when the last byte of a telegram came.
+    static TELEGRAM: AtomicU32 = AtomicU32::new(0);
+
+    /// Starts it.
+    pub fn start_wall() {
+        CONTROL.write(1 << 7 | 1 << 1); // on, 32 bits, without an end
+    }
+
+    /// Takes note that the last byte of a telegram has come.
+    pub fn telegram_came() {
+        TELEGRAM.store(VALUE.read(), Relaxed);
+    }
+
+    /// Returns the ticks since the last byte of a telegram came.
+    pub fn since_telegram() -> u32 {
+        // it counts down
+        TELEGRAM.load(Relaxed).wrapping_sub(VALUE.read())
+    }
+}
+#[cfg(machine = "mps2")]
+pub use wall::{since_telegram, start_wall, telegram_came};
 
 /// Ticks since the last byte of a telegram came: not measured where the port is polled.
 #[cfg(not(machine = "mps2"))]
