@@ -179,7 +179,7 @@ pub struct Rules {
     /// large.
     pub noise_less: f32,
     /// Least factor over the stated variance that is believed. At 2 clutter alone is taken for more
-    /// noise, which costs up to 3 points; at 3 noise that is stated at a half is believed.
+    /// noise, which costs up to 3 points; at 3 noise that is stated at a half of the truth stays so.
     pub noise_trust: f32,
     /// Most factor over the stated variance: trees look like noise, and are not. Where none is stated
     /// there is no most.
