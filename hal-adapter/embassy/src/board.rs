@@ -4,6 +4,7 @@ use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::{Delay, Instant};
 use embedded_hal::spi::SpiDevice;
+use embedded_io_async::{ErrorType, Read, Write};
 use scanseg_core::{PlaneConfig, PlaneSegmenter, Ranging, buffers};
 use scanseg_hal::encoder::as5048a::As5048a;
 use scanseg_hal::encoder::{Calibration, Direction, Tilt};
@@ -51,6 +52,40 @@ pub const LINK_BAUD: u32 = 1_000_000;
 /// Frames for the host that wait for the DMA; a task takes them from here. One for which there is no
 /// room is dropped whole, which the host sees by the numbers.
 pub static LINK: Pipe<ThreadModeRawMutex, 8192> = Pipe::new();
+
+/// The scanner's port: a buffered UART, and how its baud rate is set, bit/s.
+pub struct ScannerPort<U, F> {
+    /// Receives by interrupt.
+    pub uart: U,
+    /// Sets the baud rate.
+    pub set_baud: F,
+}
+
+impl<U: ErrorType, F> ErrorType for ScannerPort<U, F> {
+    type Error = U::Error;
+}
+
+impl<U: Read, F> Read for ScannerPort<U, F> {
+    async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, U::Error> {
+        self.uart.read(bytes).await
+    }
+}
+
+impl<U: Write, F> Write for ScannerPort<U, F> {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, U::Error> {
+        self.uart.write(bytes).await
+    }
+
+    async fn flush(&mut self) -> Result<(), U::Error> {
+        self.uart.flush().await
+    }
+}
+
+impl<U: Read + Write, F: FnMut(&mut U, u32) -> Result<(), U::Error>> Port for ScannerPort<U, F> {
+    fn set_baud(&mut self, baud: Baud) -> Result<(), U::Error> {
+        (self.set_baud)(&mut self.uart, baud.bits_per_s())
+    }
+}
 
 /// Finds the scanner, sets it up, and segments what it sends, until its port ends.
 pub async fn segment(port: impl Port, encoder: impl SpiDevice) {

@@ -19,7 +19,7 @@ pub const PLANE: PlaneConfig = PlaneConfig::new(RANGING);
 /// every image of 181 columns by the paper's two approaches.
 pub const fn microbit_areas(approach: Approach) -> usize {
     match approach {
-        Approach::Plane => 44,
+        Approach::Plane => 62,
         Approach::Edge | Approach::Region => 48,
     }
 }

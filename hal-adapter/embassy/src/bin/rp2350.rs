@@ -9,11 +9,8 @@ use embassy_rp::spi::{self, Spi};
 use embassy_rp::uart::{self, Async, BufferedInterruptHandler, BufferedUart, UartTx};
 use embassy_rp::{bind_interrupts, dma, peripherals};
 use embedded_hal_bus::spi::ExclusiveDevice;
-use embedded_io_async::{ErrorType, Read, Write};
 use panic_halt as _;
-use scanseg_embassy::board::{LINK, LINK_BAUD, QUEUE, segment};
-use scanseg_hal::lms2xx::Baud;
-use scanseg_hal::lms2xx::asynch::Port;
+use scanseg_embassy::board::{LINK, LINK_BAUD, QUEUE, ScannerPort, segment};
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Irqs {
@@ -24,35 +21,6 @@ bind_interrupts!(struct Irqs {
 /// Bytes from the scanner, and to it.
 static RECEIVED: ConstStaticCell<[u8; QUEUE]> = ConstStaticCell::new([0; QUEUE]);
 static SENT: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
-
-struct ScannerPort(BufferedUart);
-
-impl ErrorType for ScannerPort {
-    type Error = uart::Error;
-}
-
-impl Read for ScannerPort {
-    async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, uart::Error> {
-        self.0.read(bytes).await
-    }
-}
-
-impl Write for ScannerPort {
-    async fn write(&mut self, bytes: &[u8]) -> Result<usize, uart::Error> {
-        self.0.write(bytes).await
-    }
-
-    async fn flush(&mut self) -> Result<(), uart::Error> {
-        self.0.flush().await
-    }
-}
-
-impl Port for ScannerPort {
-    fn set_baud(&mut self, baud: Baud) -> Result<(), uart::Error> {
-        self.0.set_baudrate(baud.bits_per_s());
-        Ok(())
-    }
-}
 
 #[embassy_executor::task]
 async fn link(mut uart: UartTx<'static, Async>) {
@@ -82,5 +50,9 @@ async fn main(spawner: Spawner) {
     let (sent, received) = (SENT.take(), RECEIVED.take());
     let config = uart::Config::default();
     let uart = BufferedUart::new(board.UART0, board.PIN_0, board.PIN_1, Irqs, sent, received, config);
-    segment(ScannerPort(uart), encoder).await;
+    let set_baud = |uart: &mut BufferedUart, baud_per_s| {
+        uart.set_baudrate(baud_per_s);
+        Ok(())
+    };
+    segment(ScannerPort { uart, set_baud }, encoder).await;
 }

@@ -11,11 +11,8 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, BufferedUart, UartTx};
 use embassy_stm32::{Config, bind_interrupts, dma, peripherals, rcc};
 use embedded_hal_bus::spi::ExclusiveDevice;
-use embedded_io_async::{ErrorType, Read, Write};
 use panic_halt as _;
-use scanseg_embassy::board::{LINK, LINK_BAUD, QUEUE, segment};
-use scanseg_hal::lms2xx::Baud;
-use scanseg_hal::lms2xx::asynch::Port;
+use scanseg_embassy::board::{LINK, LINK_BAUD, QUEUE, ScannerPort, segment};
 use static_cell::ConstStaticCell;
 
 bind_interrupts!(struct Irqs {
@@ -26,35 +23,6 @@ bind_interrupts!(struct Irqs {
 /// Bytes from the scanner, and to it.
 static RECEIVED: ConstStaticCell<[u8; QUEUE]> = ConstStaticCell::new([0; QUEUE]);
 static SENT: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
-
-struct ScannerPort(BufferedUart<'static>);
-
-impl ErrorType for ScannerPort {
-    type Error = usart::Error;
-}
-
-impl Read for ScannerPort {
-    async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, usart::Error> {
-        self.0.read(bytes).await
-    }
-}
-
-impl Write for ScannerPort {
-    async fn write(&mut self, bytes: &[u8]) -> Result<usize, usart::Error> {
-        self.0.write(bytes).await
-    }
-
-    async fn flush(&mut self) -> Result<(), usart::Error> {
-        self.0.flush().await
-    }
-}
-
-impl Port for ScannerPort {
-    fn set_baud(&mut self, baud: Baud) -> Result<(), usart::Error> {
-        // 84 MHz make all rates of the scanner
-        self.0.set_baudrate(baud.bits_per_s()).map_err(|_| usart::Error::Framing)
-    }
-}
 
 #[embassy_executor::task]
 async fn link(mut uart: UartTx<'static, Async>) {
@@ -101,5 +69,8 @@ async fn main(spawner: Spawner) {
     let (sent, received) = (SENT.take(), RECEIVED.take());
     let config = usart::Config::default();
     let uart = BufferedUart::new(board.USART1, board.PB7, board.PB6, sent, received, Irqs, config).unwrap();
-    segment(ScannerPort(uart), encoder).await;
+    // 84 MHz make all rates of the scanner
+    let set_baud =
+        |uart: &mut BufferedUart<'static>, baud_per_s| uart.set_baudrate(baud_per_s).map_err(|_| usart::Error::Framing);
+    segment(ScannerPort { uart, set_baud }, encoder).await;
 }

@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 
 #[cfg(not(feature = "figures"))]
 use m0_float as _;
-use scanseg_core::buffers;
+use scanseg_core::{Memory, buffers};
 use scanseg_firmware::approach::{APPROACH, CONFIG, ImageSegmenter, microbit_areas, of_scanner};
 use scanseg_firmware::figures::{self, Timed};
 use scanseg_firmware::mux::{Channel, Line};
@@ -15,7 +15,7 @@ use scanseg_firmware::run::{MICROBIT, Ports, limits, run};
 use scanseg_firmware::uart::nrf51::Uart;
 use scanseg_firmware::wire::SpiOver;
 use scanseg_hal::lms2xx::Session;
-use scanseg_hal::rig::{Rig, beams};
+use scanseg_hal::rig::{LmsRows, Rig, beams};
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 const AREAS: usize = microbit_areas(APPROACH);
@@ -26,6 +26,17 @@ const AREAS: usize = microbit_areas(APPROACH);
 #[inline(never)]
 fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
     memory.write(Session::listening(MICROBIT))
+}
+
+/// The rig with the segmenter of this image. A function of its own, so that the copies that are made on
+/// the way are off the stack when the loop begins.
+#[inline(never)]
+fn new_rig<'m>(
+    memory: Memory<'m>,
+    rows_m: &'m mut [f32],
+) -> Option<Rig<'m, Timed<ImageSegmenter<'m>>, impl LmsRows + use<>>> {
+    let segmenter = ImageSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, memory).ok()?;
+    Rig::new(of_scanner(MICROBIT), limits(&MICROBIT), Timed(segmenter), rows_m).ok()
 }
 
 #[cortex_m_rt::entry]
@@ -45,12 +56,9 @@ fn main() -> ! {
     // SAFETY: this is an nRF51, and its UART is taken once.
     let uart = unsafe { Uart::new() };
     let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
-    let segmenter = ImageSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, BUFFERS.memory());
-    if let Ok(segmenter) = segmenter
-        && let Ok(mut rig) = Rig::new(of_scanner(MICROBIT), limits(&MICROBIT), Timed(segmenter), ROWS_M)
-    {
+    if let Some(rig) = &mut new_rig(BUFFERS.memory(), ROWS_M) {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
-        run(ports, &MICROBIT, session, &mut rig, || (0, 0), || figures::send(link, [0; 3]));
+        run(ports, &MICROBIT, session, rig, || (0, 0), || figures::send(link, [0; 3]));
     }
     loop {
         core::hint::spin_loop();
