@@ -14,12 +14,13 @@ use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::OnceLock;
-use std::{env, error, thread};
+use std::{env, error};
 
 use scanseg_core::{PlaneConfig, Ranging, Rules};
 use scanseg_formats::{Geometry, GreyImage, RangeImage};
 use scanseg_sim::hoover::{Hoover, Overlaps};
 use scanseg_sim::office::{Rng, SCENES, Scene, Sensor, Set, SimulatedScan};
+use scanseg_sim::parallel::in_parallel;
 use scanseg_sim::segmentation::{Segmentation, ranging};
 
 const MIN_PIXELS: usize = 30;
@@ -80,7 +81,7 @@ fn office(all: bool) {
                     let ranges = as_from_a_file(&scan);
                     classes(&scan.truth, &labels(&ranges, &scan.geometry, &scan.truth))
                 };
-                let found = by_two(0..SCENES, one);
+                let found = of_each(0..SCENES, one);
                 let Shares { good, fine, under, noise } = Shares::of(&found);
                 println!("{name:<26} {set_name:<10} {noise_mm:>5} {good:>8.1} {fine:>8.1} {under:>8.3} {noise:>8.3}");
             }
@@ -147,14 +148,9 @@ fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::
     Ok(rules)
 }
 
-/// One for each number, two numbers at a time.
-fn by_two<T: Send>(numbers: Range<u32>, one: impl Fn(u32) -> T + Sync) -> Vec<T> {
-    let half = |from: u32| numbers.clone().skip(from as usize).step_by(2).map(&one).collect::<Vec<_>>();
-    thread::scope(|scope| {
-        let odd = scope.spawn(|| half(1));
-        let even = half(0);
-        even.into_iter().chain(odd.join().expect("no panic")).collect()
-    })
+/// One for each number, on all cores.
+fn of_each<T: Send>(numbers: Range<u32>, one: impl Fn(u32) -> T + Sync) -> Vec<T> {
+    in_parallel(numbers.len(), |i| one(numbers.start + i as u32))
 }
 
 /// The ranges as they would be read.
@@ -250,7 +246,7 @@ fn recorded() -> Result<(), Box<dyn error::Error>> {
         let mean = |best: &[f64]| best.iter().sum::<f64>() / best.len() as f64;
         let best = overlaps(&ranges);
         println!("{corridor} {scan}: mean best overlap {:.3} of {best:.2?}", mean(&best));
-        let drawn = by_two(0..DRAWS, |draw| mean(&overlaps(&noisier(&ranges, draw))));
+        let drawn = of_each(0..DRAWS, |draw| mean(&overlaps(&noisier(&ranges, draw))));
         println!("{corridor} {scan}: {:.3} on average of {DRAWS} draws of half a millimetre of noise", mean(&drawn));
     }
     if data.join(synpeb).is_dir() {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use scanseg_core::Ranging;
 use scanseg_sim::office::{Missing, Scene, Sensor, Set, Trouble};
 
-use crate::{SETS, Shares, as_from_a_file, by_two, classes, segmented, stated};
+use crate::{SETS, Shares, as_from_a_file, classes, of_each, segmented, stated};
 
 /// Scenes of each set: those after the usual ones.
 const SCENES: Range<u32> = 25..37;
@@ -112,7 +112,7 @@ pub fn print() {
                 let labels = segmented(&as_from_a_file(&scan), &scan.geometry, ranging);
                 (classes(&scan.truth, &labels), classes(&scene.planes_of(&scan.truth), &labels))
             };
-            let (surfaces, planes): (Vec<_>, Vec<_>) = by_two(SCENES, one).into_iter().unzip();
+            let (surfaces, planes): (Vec<_>, Vec<_>) = of_each(SCENES, one).into_iter().unzip();
             let Shares { good, fine, under, noise } = Shares::of(&surfaces);
             let planes = Shares::of(&planes);
             println!(
