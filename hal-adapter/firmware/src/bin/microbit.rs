@@ -15,7 +15,7 @@ use scanseg_firmware::run::{MICROBIT, Ports, limits, run};
 use scanseg_firmware::uart::nrf51::Uart;
 use scanseg_firmware::wire::SpiOver;
 use scanseg_hal::lms2xx::Session;
-use scanseg_hal::rig::{LmsRows, Rig, beams};
+use scanseg_hal::rig::{LmsRows, Rig, RigError, beams};
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 const AREAS: usize = microbit_areas(APPROACH);
@@ -28,15 +28,15 @@ fn new_session(memory: &mut MaybeUninit<Session>) -> &mut Session {
     memory.write(Session::listening(MICROBIT))
 }
 
-/// The rig with the segmenter of this image. A function of its own, so that the copies that are made on
-/// the way are off the stack when the loop begins.
+/// Makes the rig of this image; none where a setting is refused.
+// Not inlined, as above: on its way the segmenter is on the stack three times.
 #[inline(never)]
 fn new_rig<'m>(
     memory: Memory<'m>,
     rows_m: &'m mut [f32],
-) -> Option<Rig<'m, Timed<ImageSegmenter<'m>>, impl LmsRows + use<>>> {
+) -> Option<Result<Rig<'m, Timed<ImageSegmenter<'m>>, impl LmsRows + use<>>, RigError>> {
     let segmenter = ImageSegmenter::new(CONFIG, beams(MICROBIT.variant), COLUMNS, memory).ok()?;
-    Rig::new(of_scanner(MICROBIT), limits(&MICROBIT), Timed(segmenter), rows_m).ok()
+    Some(Rig::new(of_scanner(MICROBIT), limits(&MICROBIT), Timed(segmenter), rows_m))
 }
 
 #[cortex_m_rt::entry]
@@ -56,7 +56,7 @@ fn main() -> ! {
     // SAFETY: this is an nRF51, and its UART is taken once.
     let uart = unsafe { Uart::new() };
     let [scanner, encoder, link] = [Line::Scanner, Line::Encoder, Line::Link].map(|line| Channel::new(uart, line));
-    if let Some(rig) = &mut new_rig(BUFFERS.memory(), ROWS_M) {
+    if let Some(Ok(rig)) = &mut new_rig(BUFFERS.memory(), ROWS_M) {
         let ports = Ports { scanner, encoder: SpiOver(encoder), link };
         run(ports, &MICROBIT, session, rig, || (0, 0), || figures::send(link, [0; 3]));
     }
