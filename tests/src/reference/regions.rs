@@ -6,7 +6,7 @@ use super::Image;
 use super::beams::Beams;
 use super::doubt::{Answer, Doubt};
 use super::labels::Class;
-use super::lines::{Line, RowLines, Thresholds, points, row_lines};
+use super::lines::{Line, NEAREST_M, RowLines, Thresholds, points, row_lines};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Points are kept as whole multiples of this, metres.
@@ -14,9 +14,6 @@ const UNIT_M: f64 = 1.0 / 4096.0;
 
 /// Standard deviations that an end point may be off.
 const DISTANCE_SIGMAS: f64 = 4.0;
-
-/// The squares of nearer points are below all digits of single precision, metres.
-const NEAREST_M: f64 = 1e-15;
 
 /// A way steeper than this against the beam is a step: the cotangent of 3 degrees.
 const GRAZING_COT: f64 = 19.1;
