@@ -94,7 +94,7 @@ impl Grower<'_> {
             tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.thresholds.range_noise_m)
         };
         let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
-        !Answer::above(distance_m, tolerance_m, 2.0 * margin)
+        !Answer::above(distance_m, tolerance_m, 4.0 * margin)
     }
 
     /// Whether the way from a region without a plane to a point is a step.
