@@ -25,8 +25,8 @@ pub struct Thresholds {
 /// its neighbours.
 pub const TURN_SIGMAS: f64 = 1.75;
 
-/// The squares of nearer points are below all digits of single precision, metres.
-pub const NEAREST_M: f64 = 1e-15;
+/// The square of a smaller product of two lengths is below all digits of single precision, m^2.
+pub const LEAST_M2: f64 = 1e-17;
 
 /// A line: columns `start..end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ fn turn(points: [Vector3<f64>; 3], thresholds: &Thresholds, doubt: &mut Doubt) -
     let beyond = Answer::above(off, TURN_SIGMAS * sigma, margin);
     let no_noise = thresholds.range_noise_m == 0.0;
     let turns = if no_noise { turned } else { turned.and(beyond) };
-    let digits = before_m.min(here_m).min(after_m) >= NEAREST_M;
+    let digits = across_m * here_m >= LEAST_M2;
     let turns = doubt.decide(Answer { sure: turns.sure && digits, ..turns });
     Turn { turns, sharpness: 1.0 - angle_rad.cos(), error_rad, across_m: across_m / 2.0 }
 }

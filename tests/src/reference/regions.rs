@@ -6,7 +6,7 @@ use super::Image;
 use super::beams::Beams;
 use super::doubt::{Answer, Doubt};
 use super::labels::Class;
-use super::lines::{Line, NEAREST_M, RowLines, Thresholds, points, row_lines};
+use super::lines::{LEAST_M2, Line, RowLines, Thresholds, points, row_lines};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Points are kept as whole multiples of this, metres.
@@ -121,7 +121,7 @@ impl Grower<'_> {
             let both = axes(&[self.regions[region].as_slice(), line].concat());
             ends.map(|end| self.near(&both, &end).and(!self.is_step(&own, &end)))
         };
-        let digits = ends.iter().all(|end| end.norm() >= NEAREST_M);
+        let digits = ends.iter().all(|end| end.norm_squared() >= LEAST_M2);
         let takes = first.and(last);
         let takes = self.doubt.decide(Answer { sure: takes.sure && digits, ..takes });
         takes.then_some((planar, self.regions[region].len()))
