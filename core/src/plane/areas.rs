@@ -109,6 +109,14 @@ impl<'a> Areas<'a> {
         self.get(slot).m()
     }
 
+    /// Changes the planes of all areas: of the middle of its columns, and the plane with its sums.
+    pub fn change_planes(&mut self, change: impl Fn(usize, &Fitted) -> Fitted) {
+        for area in self.table.iter_mut().take(usize::from(self.fresh)).filter(|area| area.points > 0) {
+            let middle = (usize::from(area.first_column) + usize::from(area.last_column)) / 2;
+            area.set_fitted(&change(middle, &area.fitted()));
+        }
+    }
+
     pub fn marks(&self, slot: u16) -> Marks {
         Marks::of(self.get(slot))
     }
