@@ -59,7 +59,7 @@ fn the_share_is_found() {
 #[test]
 fn the_share_on_record() {
     let found = DISTANCES_M.map(|distances_m| told(&seen(Kind::Tilting, 1.02, distances_m, 0).0));
-    assert_eq!(found, [0.019501463, 0.019580413, 0.020036796]);
+    assert_eq!(found, [0.01973288, 0.019604184, 0.019738832]);
 }
 
 /// Nine of ten pixels of each large wall but three have one label. (Of 26 walls 23 and 25 at 3 % too much and too
@@ -95,10 +95,7 @@ fn no_wall_is_torn() {
 #[test]
 fn a_bent_wall_is_bent() {
     let step_rad = 1f32.to_radians();
-    let rig = Rig::Nodding {
-        angles: Angles::Even { start_rad: -85.0 * step_rad, step_rad },
-        axis: TurnAxis::Y,
-    };
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -85.0 * step_rad, step_rad }, axis: TurnAxis::Y };
     let turn_rad = (0..40).map(|row| 0.2 * step_rad * row as f32).collect();
     // 3 m away, 2 mm nearer at 1 m to either side
     let scan = Scan::of(171, turn_rad, rig, |[x, y, _]| {

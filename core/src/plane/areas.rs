@@ -9,6 +9,7 @@ use crate::plane::marks::{ENDED, FREE, LIVE, Marks, both_beyond};
 use crate::plane::rules::{LOOKED_AT, Rules};
 use crate::plane::tried::Tried;
 use crate::plane::work::count;
+use crate::row::bits::{CHUNK, VECTORS};
 use crate::row::slots::NONE;
 use crate::segment::SegmentSums;
 use crate::sink::Sink;
@@ -245,11 +246,17 @@ impl<'a> Areas<'a> {
     pub fn settle(&mut self, rows: [&mut [u16]; 3]) {
         if core::mem::take(&mut self.joined) {
             let mut last = (NONE, NONE);
-            for slot in rows.into_iter().flatten().filter(|slot| **slot < FULL) {
-                if *slot != last.0 {
-                    last = (*slot, self.root(*slot));
+            for chunk in rows.into_iter().flat_map(|row| row.chunks_mut(CHUNK)) {
+                let is_last = |same: bool, slot: &u16| same & (*slot == last.0);
+                if VECTORS && last.0 == last.1 && chunk.iter().fold(true, is_last) {
+                    continue;
                 }
-                *slot = last.1;
+                for slot in chunk {
+                    if *slot != last.0 {
+                        last = (*slot, self.root(*slot));
+                    }
+                    *slot = last.1;
+                }
             }
         }
     }

@@ -150,10 +150,9 @@ fn one_by_one(
 /// Of each pixel of a chunk how much being on a plane is ahead before it.
 fn aheads(ahead: &mut f32, gains: &[f32; CHUNK], width: usize, prices: &Prices) -> [f32; CHUNK] {
     let (leave, mut aheads) = (prices.leave, [0.0; CHUNK]);
-    if width == CHUNK
-        && *ahead >= leave
-        && gains.iter().fold(0.0, |least, &gain| if gain < least { gain } else { least }) == 0.0
-    {
+    // the highest bit is the sign
+    let gained = || gains.iter().fold(0, |bits, gain| bits | gain.to_bits()) >> 31 == 0;
+    if width == CHUNK && *ahead >= leave && gained() {
         // nothing leaves here
         aheads[0] = *ahead;
         for i in 1..CHUNK {

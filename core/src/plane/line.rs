@@ -47,18 +47,17 @@ impl Cuts {
 
     /// Puts a cut before a pixel in the place of the worst one; gives its place.
     fn begin(&mut self, column: usize, cost: f32, pixel: &At, inverse_m: f32) -> usize {
-        let mut worst = (-1.0, 0);
+        let mut worst = 0;
         for i in 0..CANDIDATE_CUTS {
+            let last = CANDIDATE_CUTS - 1 - i;
             if !VECTORS && self.cost[i] == OUT {
-                worst.1 = i;
+                worst = key(OUT, last);
                 break;
             }
-            let total = self.cost[i] + self.squares[i];
-            if total > worst.0 {
-                worst = (total, i);
-            }
+            let key = key(self.cost[i] + self.squares[i], last);
+            worst = if key > worst { key } else { worst };
         }
-        let i = worst.1 % CANDIDATE_CUTS;
+        let i = CANDIDATE_CUTS - 1 - place(worst);
         self.column[i] = column as u32;
         (self.cost[i], self.cos[i], self.sin[i]) = (cost, pixel.cos, pixel.sin);
         // beams of a pinhole are no unit vectors within their row
@@ -103,23 +102,38 @@ impl Cuts {
     /// The least cost of everything up to here, and the last cut of it. Cuts that cannot become the
     /// best any more are out. The line of the newest one has one pixel.
     fn best(&mut self, newest: usize, rules: &Rules) -> (f32, u32) {
-        let totals: PerCut = core::array::from_fn(|i| {
+        let mut totals: PerCut = core::array::from_fn(|i| {
             if !VECTORS && self.cost[i] == OUT {
                 return OUT;
             }
-            self.cost[i] + if i == newest { rules.lone_price } else { rules.line_price + self.squares[i] }
+            self.cost[i] + (rules.line_price + self.squares[i])
         });
-        let mut best = (totals[0], 0);
+        totals[newest] = self.cost[newest] + rules.lone_price;
+        let mut best = u64::MAX;
         for (i, &total) in totals.iter().enumerate() {
-            if total < best.0 {
-                best = (total, i);
-            }
+            let key = key(total, i);
+            best = if key < best { key } else { best };
         }
+        let best = place(best);
+        let least = totals[best];
         for (cost, total) in self.cost.iter_mut().zip(totals) {
-            *cost = if total > best.0 + rules.line_price { OUT } else { *cost };
+            *cost = if total > least + rules.line_price { OUT } else { *cost };
         }
-        (best.0, self.column[best.1 % CANDIDATE_CUTS])
+        (least, self.column[best])
     }
+}
+
+/// A number that is not negative, and its place, as one integer in the order of the numbers and,
+/// where they are equal, of the places: the least of integers vectorises.
+#[inline(always)]
+fn key(number: f32, place: usize) -> u64 {
+    u64::from(number.to_bits()) * CANDIDATE_CUTS as u64 + place as u64
+}
+
+/// The place of a key.
+#[inline(always)]
+fn place(key: u64) -> usize {
+    key as usize % CANDIDATE_CUTS
 }
 
 /// Cuts the returns of `run` into lines, and gives them from right to left; each begins and ends
@@ -133,8 +147,30 @@ pub(crate) fn lines(
     mut found: impl FnMut(Range<usize>, &mut Cached),
 ) {
     let start = run.start;
+    if run.len() <= 2 {
+        // a line of two pixels has no squares
+        let apart = 2.0 * rules.lone_price < rules.line_price;
+        run.clone().for_each(|column| put(from, column, if apart { (column - start) as u16 } else { 0 }));
+    } else {
+        cut(run.clone(), row, rules, from, cached);
+    }
+    let mut end = run.end;
+    while end > start {
+        if row.range_m(end - 1) == 0.0 {
+            end -= 1;
+            continue;
+        }
+        let begin = start + usize::from(at(from, end - 1));
+        found(begin..end, cached);
+        end = begin;
+    }
+}
+
+/// Finds for each return of a run where the line begins that ends with it, from the start of the run.
+fn cut(run: Range<usize>, row: &Scanline, rules: &Rules, from: &mut [u16], cached: &mut Cached) {
+    let start = run.start;
     let (mut cuts, mut cost) = (Cuts::NONE, 0.0);
-    for column in run.clone() {
+    for column in run {
         let pixel = cached.at(row, column);
         if pixel.range_m == 0.0 {
             continue;
@@ -150,15 +186,5 @@ pub(crate) fn lines(
         let (least, cut) = cuts.best(newest, rules);
         cost = least;
         put(from, column, (cut as usize - start) as u16);
-    }
-    let mut end = run.end;
-    while end > start {
-        if row.range_m(end - 1) == 0.0 {
-            end -= 1;
-            continue;
-        }
-        let begin = start + usize::from(at(from, end - 1));
-        found(begin..end, cached);
-        end = begin;
     }
 }

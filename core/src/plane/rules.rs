@@ -73,6 +73,10 @@ pub(crate) const STRETCH_RAD: f32 = 0.2;
 /// few rows later.
 pub(crate) const STRETCH: f32 = 0.04;
 
+/// Standard deviation at which it is known well enough: walls of that direction are not looked at any
+/// more, which saves most of the work.
+pub(crate) const STRETCH_KNOWN: f32 = 5e-4;
+
 /// Least share that counts: walls seen with beams a third of a percent off are not torn.
 pub(crate) const STRETCH_LEAST: f32 = 0.003;
 

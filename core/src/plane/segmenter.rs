@@ -271,7 +271,7 @@ impl<'a> PlaneSegmenter<'a> {
         grower.extend(areas, slots);
         let unlabelled = grower.take_lines(areas, carried.slots, slots, free, cuts);
         let mut cached = grower.cached;
-        let stretched = self.stretch.look_at(&line, slots, &mut cached);
+        let stretched = self.stretch.look_at(&line, areas, slots, &mut cached);
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let mut copy = [0; CHUNK];

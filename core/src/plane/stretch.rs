@@ -13,9 +13,9 @@
 use core::ops::Range;
 
 use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, plus};
-use crate::plane::areas::FULL;
-use crate::plane::rules::{STRETCH, STRETCH_CHANGE, STRETCH_LEAST, STRETCH_RAD, STRETCH_STRIDE};
-use crate::plane::scanline::{Cached, Scanline};
+use crate::plane::areas::{Areas, FULL};
+use crate::plane::rules::{STRETCH, STRETCH_CHANGE, STRETCH_KNOWN, STRETCH_LEAST, STRETCH_RAD, STRETCH_STRIDE};
+use crate::plane::scanline::{Along, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::fan::Fan;
 use crate::row::within::{at, part};
@@ -94,30 +94,9 @@ impl Line {
     }
 }
 
-impl Stretch {
-    /// Looks at the runs of a row. Returns how much more the share that counts is now, if it is
-    /// another one.
-    pub fn look_at(&mut self, line: &Scanline, slots: &[u16], cached: &mut Cached) -> Option<f32> {
-        if !line.fan.turns() || !line.frame.plain {
-            return None;
-        }
-        let mut start = 0;
-        while start < slots.len() {
-            let slot = at(slots, start);
-            let end = start + part(slots, start..slots.len()).iter().take_while(|&&s| s == slot).count();
-            let wide_rad = line.fan.column_rad(end - 1) - line.fan.column_rad(start);
-            if slot < FULL && wide_rad.abs() >= STRETCH_RAD {
-                self.add(line, start..end, cached);
-            }
-            start = end;
-        }
-        let more = self.found() - self.share;
-        self.share += if more.abs() > STRETCH_CHANGE { more } else { 0.0 };
-        (more.abs() > STRETCH_CHANGE).then_some(more)
-    }
-
-    /// Takes what a run tells.
-    fn add(&mut self, line: &Scanline, run: Range<usize>, cached: &mut Cached) {
+impl Told {
+    /// Takes what a run tells, along beams to which the share so far is given.
+    fn add(&mut self, line: &Scanline, run: Range<usize>, so_far: f32, cached: &mut Cached) {
         let stride = STRETCH_STRIDE.max(line.ranges_m.len() / 96);
         count(2 * run.len() / stride);
         let middle = (run.start + run.end) / 2;
@@ -138,13 +117,36 @@ impl Stretch {
         let Some(found) = Line::of(columns().filter_map(&mut sample)) else { return };
         let (share, weight) = found.share(columns().filter_map(&mut sample));
         if weight * (STRETCH * STRETCH) >= 1.0 && share.abs() <= 3.0 * STRETCH {
-            let ahead = found.ahead * here.cos - found.aside * here.sin;
-            let aside = found.ahead * here.sin + found.aside * here.cos;
-            let direction = if aside.abs() <= ahead.abs() { 0 } else { 1 + usize::from(aside < 0.0) };
-            let told = &mut self.told[direction];
-            told.products += weight * (share + self.share);
-            told.weights += weight;
+            self.products += weight * (share + so_far);
+            self.weights += weight;
         }
+    }
+}
+
+impl Stretch {
+    /// Looks at the runs of a row. Returns how much more the share that counts is now, if it is
+    /// another one.
+    pub fn look_at(&mut self, line: &Scanline, areas: &Areas, slots: &[u16], cached: &mut Cached) -> Option<f32> {
+        if !line.fan.turns() || !line.frame.plain {
+            return None;
+        }
+        let mut start = 0;
+        while start < slots.len() {
+            let slot = at(slots, start);
+            let end = start + part(slots, start..slots.len()).iter().take_while(|&&s| s == slot).count();
+            let wide_rad = line.fan.column_rad(end - 1) - line.fan.column_rad(start);
+            if slot < FULL && wide_rad.abs() >= STRETCH_RAD {
+                let Along { a, b, .. } = line.along(areas.m(slot));
+                let told = &mut self.told[if b.abs() <= a.abs() { 0 } else { 1 + usize::from(b < 0.0) }];
+                if told.weights * (STRETCH_KNOWN * STRETCH_KNOWN) < 1.0 {
+                    told.add(line, start..end, self.share, cached);
+                }
+            }
+            start = end;
+        }
+        let more = self.found() - self.share;
+        self.share += if more.abs() > STRETCH_CHANGE { more } else { 0.0 };
+        (more.abs() > STRETCH_CHANGE).then_some(more)
     }
 
     /// What walls of two directions tell and none denies, to three standard deviations; else 0.

@@ -38,11 +38,13 @@ pub(crate) fn pack(flags: &[bool; CHUNK]) -> u32 {
     word
 }
 
-/// Packs a condition of 32 columns.
-#[inline(always)]
+/// Packs a condition of 32 columns. A function of its own on a host, so that the compiler keeps the
+/// columns side by side.
+#[cfg_attr(target_os = "none", inline(always))]
+#[cfg_attr(not(target_os = "none"), inline(never))]
 pub(crate) fn pack_where(holds: impl Fn(usize) -> bool) -> u32 {
     if VECTORS {
-        return pack(&core::array::from_fn(holds));
+        return (0..CHUNK).fold(0, |word, i| word | u32::from(holds(i)) << i);
     }
     (0..CHUNK).rev().fold(0, |word, i| word << 1 | u32::from(holds(i)))
 }

@@ -2,12 +2,13 @@
 
 use core::arch::global_asm;
 
-use super::{SIGN, add, at_most, less, multiply};
+use super::{SIGN, add, at_most, divide, less, multiply};
 
 unsafe extern "C" {
     // the compiler's own
     safe fn __addsf3(a: f32, b: f32) -> f32;
     safe fn __mulsf3(a: f32, b: f32) -> f32;
+    safe fn __divsf3(a: f32, b: f32) -> f32;
 }
 
 // SAFETY (all): these are the names, types and results that the ABI gives these routines; the
@@ -277,6 +278,11 @@ global_asm!(
 /// A sum with something special about it.
 extern "C" fn rare_sum(a: f32, b: f32) -> f32 {
     add(a.to_bits(), b.to_bits()).map_or_else(|| __addsf3(a, b), f32::from_bits)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn __aeabi_fdiv(a: f32, b: f32) -> f32 {
+    divide(a.to_bits(), b.to_bits()).map_or_else(|| __divsf3(a, b), f32::from_bits)
 }
 
 /// Whether the routines in assembler compute what [`multiply`] and [`add`] do, tried on so many
