@@ -9,7 +9,7 @@ build() { # cargo and its flags
     for target in $triples; do
         for package in "scanseg-core" "scanseg-hal" "scanseg-hal --features link"; do
             # shellcheck disable=SC2086
-            "$@" build --quiet --release -p $package --target "$target"
+            "$@" build --quiet -p $package --target "$target"
             echo "$package for $target: good"
         done
     done

@@ -1,14 +1,12 @@
 //! What the `scanseg` command warns of: said on stderr, in one style, with advice that works.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use scanseg_formats::{GreyImage, RangeImage};
 use scanseg_sim::office::{Scene, Sensor, Set, Trouble};
 
-use program::{folder, scanseg, succeeds};
+use crate::program::{folder, scanseg, succeeds};
 
 /// Writes a small simulated scan. Returns its geometry file.
 fn scan(folder: &Path) -> String {

@@ -1,9 +1,7 @@
 //! The region-based segmenter: what the reference finds in the whole image, and what must hold of
 //! every scan.
 
-mod common;
-
-use common::{region_configs, scans};
+use crate::common::{region_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{PushError, Ranging, RegionConfig, RegionSegmenter, Segmenter, Status, TurnAxis, live_labels};
 use scanseg_tests::checks::regions::{assert_consistent, assert_same};
@@ -72,7 +70,7 @@ proptest! {
 
     /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.
     #[test]
-    fn any_bits(columns in common::columns(), rig in 0usize..7, seed: u64, config in region_configs()) {
+    fn any_bits(columns in crate::common::columns(), rig in 0usize..7, seed: u64, config in region_configs()) {
         let mut scan = scan_of(12, columns, rig, 0, seed);
         let bits = |row, column| f32::from_bits((uniform(seed ^ 9, row, column) * 4294967296.0) as u32);
         for (i, range_m) in scan.range_m.iter_mut().enumerate() {

@@ -327,8 +327,10 @@ mod tests {
     #[test]
     fn the_smallest_of_the_next_ones() {
         assert_eq!(vacant_where(0), 8);
-        assert_eq!(vacant_where(20), 27);
-        assert_eq!(vacant_where(63), 64);
         assert_eq!(vacant_where(65), FULL);
+        if !cfg!(miri) {
+            assert_eq!(vacant_where(20), 27);
+            assert_eq!(vacant_where(63), 64);
+        }
     }
 }

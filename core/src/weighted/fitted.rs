@@ -230,7 +230,7 @@ mod tests {
                 }
                 fitted
             };
-            let (upper, lower) = if cfg!(miri) { (0..4, 5..10) } else { (0..12, 15..40) };
+            let (upper, lower) = if cfg!(miri) { (0..2, 3..6) } else { (0..12, 15..40) };
             let (one, other) = (begun(upper.clone()), begun(lower.clone()));
             let (upper, lower) = (points(seed, upper), points(seed, lower));
             assert_near(&one, &upper);
