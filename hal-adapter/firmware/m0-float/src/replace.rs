@@ -111,13 +111,8 @@ global_asm!(
     "8:",
     "bl {rare}",
     "pop {{r4, r5, r6, pc}}",
-    rare = sym rare_product,
+    rare = sym __mulsf3,
 );
-
-/// A product with something special about it.
-extern "C" fn rare_product(a: f32, b: f32) -> f32 {
-    multiply(a.to_bits(), b.to_bits()).map_or_else(|| __mulsf3(a, b), f32::from_bits)
-}
 
 // `add` by hand, for the same reason: some 45 instructions instead of 80.
 global_asm!(
@@ -269,13 +264,8 @@ global_asm!(
     "push {{r4, lr}}",
     "bl {rare}",
     "pop {{r4, pc}}",
-    rare = sym rare_sum,
+    rare = sym __addsf3,
 );
-
-/// A sum with something special about it.
-extern "C" fn rare_sum(a: f32, b: f32) -> f32 {
-    add(a.to_bits(), b.to_bits()).map_or_else(|| __addsf3(a, b), f32::from_bits)
-}
 
 #[unsafe(no_mangle)]
 extern "C" fn __aeabi_fdiv(a: f32, b: f32) -> f32 {
