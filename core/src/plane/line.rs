@@ -7,7 +7,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::inverse_sqrt;
+use crate::arithmetic::{below, inverse_sqrt};
 use crate::plane::rules::{CANDIDATE_CUTS, LEAN, Rules};
 use crate::plane::scanline::{At, Cached, Scanline};
 use crate::plane::work::count;
@@ -50,7 +50,7 @@ impl Cuts {
         let mut worst = 0;
         for i in 0..CANDIDATE_CUTS {
             let last = CANDIDATE_CUTS - 1 - i;
-            if !VECTORS && self.cost[i] == OUT {
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
                 worst = key(OUT, last);
                 break;
             }
@@ -71,14 +71,21 @@ impl Cuts {
 
     /// One more pixel of every line; `root` is the root of its weight.
     #[inline(always)]
-    fn add(&mut self, pixel: &At, inverse_m: f32, root: f32) {
+    fn add(&mut self, newest: usize, pixel: &At, inverse_m: f32, root: f32) {
         let [sd, sr, sy, sdd, syy] = &mut self.solved;
         let At { cos, sin, .. } = *pixel;
         for i in 0..CANDIDATE_CUTS {
-            if !VECTORS && self.cost[i] == OUT {
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
                 continue;
             }
             let along = cos * self.cos[i] + sin * self.sin[i];
+            if !VECTORS && i == newest {
+                // all of the rest is 0
+                let (a, e) = (root * along, root * (inverse_m - along * self.inverse_m[i]));
+                sd[i] = a * a;
+                sy[i] = a * (1.0 / sd[i]) * e;
+                continue;
+            }
             let across = sin * self.cos[i] - cos * self.sin[i];
             let (a, b, e) = (root * along, root * across, root * (inverse_m - along * self.inverse_m[i]));
             let (b, e) = (b - a * sr[i], e - a * sy[i]);
@@ -92,7 +99,7 @@ impl Cuts {
             let e = e - b * syy[i];
             let before = sdd[i];
             let dd = before + weight * b * b;
-            let per = if dd > 0.0 { weight / dd } else { 0.0 };
+            let per = if below(0.0, dd) { weight / dd } else { 0.0 };
             sdd[i] = dd;
             syy[i] += per * b * e;
             self.squares[i] += per * before * e * e;
@@ -103,7 +110,7 @@ impl Cuts {
     /// best any more are out. The line of the newest one has one pixel.
     fn best(&mut self, newest: usize, rules: &Rules) -> (f32, u32) {
         let mut totals: PerCut = core::array::from_fn(|i| {
-            if !VECTORS && self.cost[i] == OUT {
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
                 return OUT;
             }
             self.cost[i] + (rules.line_price + self.squares[i])
@@ -116,8 +123,9 @@ impl Cuts {
         }
         let best = place(best);
         let least = totals[best];
+        let most = least + rules.line_price;
         for (cost, total) in self.cost.iter_mut().zip(totals) {
-            *cost = if total > least + rules.line_price { OUT } else { *cost };
+            *cost = if below(most, total) { OUT } else { *cost };
         }
         (least, self.column[best])
     }
@@ -182,7 +190,7 @@ fn cut(run: Range<usize>, row: &Scanline, rules: &Rules, from: &mut [u16], cache
         let root = inverse_sqrt(row.alike_px * variance_m2) * (pixel.range_m * pixel.range_m);
         count(CANDIDATE_CUTS);
         let newest = cuts.begin(column, cost, &pixel, inverse_m);
-        cuts.add(&pixel, inverse_m, root);
+        cuts.add(newest, &pixel, inverse_m, root);
         let (least, cut) = cuts.best(newest, rules);
         cost = least;
         put(from, column, (cut as usize - start) as u16);

@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::{dot, less, plus};
+use crate::arithmetic::{below, dot, less, plus};
 use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::LEAN;
 use crate::plane::scanline::{Along, At, Cached, Scanline};
@@ -75,7 +75,7 @@ impl Weighing {
         let (q, range_m2) = if first {
             (1.0 / r, r * r)
         } else {
-            let q = if predicted * r > LEAST_SHARE { predicted } else { LEAST_SHARE / r };
+            let q = if below(LEAST_SHARE, predicted * r) { predicted } else { LEAST_SHARE / r };
             (q, 1.0 / (q * q))
         };
         let q2 = q * q;
@@ -140,7 +140,7 @@ impl Weighing {
         let Lanes { cos, sin, beside, range_m } = lanes;
         let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
         for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
-            if range_m > 0.0 {
+            if below(0.0, range_m) {
                 let terms = self.terms(first, At { cos, sin, beside, range_m });
                 for (sum, term) in sums.plain.iter_mut().zip(products(terms)) {
                     sum[i % LANES] += term;
