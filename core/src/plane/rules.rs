@@ -60,9 +60,11 @@ pub(crate) const MOST_TOLD: f32 = 1000.0;
 /// Rows that are taken to have told nothing but what is expected.
 pub(crate) const PRIOR_ROWS: f32 = 4.0;
 
-/// Every so many columns at least a pixel is looked at for the share by which beam angles are too
-/// small.
-pub(crate) const STRETCH_STRIDE: usize = 4;
+/// Pixels of a run that are looked at for the share by which beam angles are too small.
+pub(crate) const STRETCH_SAMPLES: usize = 24;
+
+/// First rows that are looked at for it, each; then every fourth is.
+pub(crate) const STRETCH_ROWS: usize = 16;
 
 /// Least angle of a run that is looked at for it, radians: 11 deg. The bend of narrower ones is below the
 /// noise, and looking for it is work.
@@ -75,7 +77,7 @@ pub(crate) const STRETCH: f32 = 0.04;
 
 /// Standard deviation at which it is known well enough: walls of that direction are not looked at any
 /// more, which saves most of the work.
-pub(crate) const STRETCH_KNOWN: f32 = 5e-4;
+pub(crate) const STRETCH_KNOWN: f32 = 1e-3;
 
 /// Least share that counts: walls seen with beams a third of a percent off are not torn.
 pub(crate) const STRETCH_LEAST: f32 = 0.003;

@@ -14,7 +14,9 @@ use core::ops::Range;
 
 use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
-use crate::plane::rules::{STRETCH, STRETCH_CHANGE, STRETCH_KNOWN, STRETCH_LEAST, STRETCH_RAD, STRETCH_STRIDE};
+use crate::plane::rules::{
+    STRETCH, STRETCH_CHANGE, STRETCH_KNOWN, STRETCH_LEAST, STRETCH_RAD, STRETCH_ROWS, STRETCH_SAMPLES,
+};
 use crate::plane::scanline::{Along, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::fan::Fan;
@@ -38,6 +40,7 @@ struct Told {
 }
 
 /// A pixel, as it is seen from the middle of its run.
+#[derive(Clone, Copy)]
 struct Sample {
     /// Parts of its beam along that in the middle, and across it.
     along: f32,
@@ -45,6 +48,11 @@ struct Sample {
     inverse_m: f32,
     weight: f32,
     angle_rad: f32,
+}
+
+impl Sample {
+    /// Of weight 0.
+    const NONE: Sample = Sample { along: 0.0, across: 0.0, inverse_m: 0.0, weight: 0.0, angle_rad: 0.0 };
 }
 
 /// The line of a run, by least squares: one over the range is `ahead` along + `aside` across.
@@ -58,10 +66,10 @@ struct Line {
 }
 
 impl Line {
-    fn of(samples: impl Iterator<Item = Sample>) -> Option<Line> {
+    fn of(samples: &[Sample]) -> Option<Line> {
         let [mut aa, mut ab, mut bb, mut ae, mut be, mut about] = [0.0; 6];
-        for Sample { along, across, inverse_m, weight, .. } in samples {
-            // differences from a line square to the first beam: nothing cancels
+        // differences from a line square to the first beam: nothing cancels
+        for &Sample { along, across, inverse_m, weight, .. } in samples {
             about = if aa == 0.0 { inverse_m } else { about };
             let error = inverse_m - about * along;
             let (a, b) = (weight * along, weight * across);
@@ -75,16 +83,17 @@ impl Line {
     }
 
     /// The share that the rest of the run's errors tells, and its weight.
-    fn share(&self, samples: impl Iterator<Item = Sample>) -> (f32, f32) {
+    fn share(&self, samples: &[Sample]) -> (f32, f32) {
         let Line { ahead, aside, squares: [aa, ab, bb], det } = *self;
         let [mut pp, mut pa, mut pb, mut pe, mut ee, mut count] = [0.0; 6];
-        for Sample { along, across, inverse_m, weight, angle_rad } in samples {
+        for &Sample { along, across, inverse_m, weight, angle_rad } in samples {
             let error = inverse_m - ahead * along - aside * across;
             // less what turns the line alone
             let by = aside * (angle_rad * along - across) - ahead * angle_rad * across;
             let p = weight * by;
             (pp, pa, pb) = (pp + p * by, pa + p * along, pb + p * across);
-            (pe, ee, count) = (pe + p * error, ee + weight * error * error, count + 1.0);
+            (pe, ee) = (pe + p * error, ee + weight * error * error);
+            count += if weight > 0.0 { 1.0 } else { 0.0 };
         }
         let weight = pp - (pa * pa * bb - 2.0 * pa * pb * ab + pb * pb * aa) / det;
         let share = pe / weight;
@@ -97,25 +106,27 @@ impl Line {
 impl Told {
     /// Takes what a run tells, along beams to which the share so far is given.
     fn add(&mut self, line: &Scanline, run: Range<usize>, so_far: f32, cached: &mut Cached) {
-        let stride = STRETCH_STRIDE.max(line.ranges_m.len() / 96);
-        count(2 * run.len() / stride);
         let middle = (run.start + run.end) / 2;
         let (middle_rad, here) = (line.fan.column_rad(middle), cached.lone(line, middle));
-        let mut sample = |column| {
+        let mut samples = [Sample::NONE; STRETCH_SAMPLES];
+        let columns = run.clone().step_by(run.len().div_ceil(STRETCH_SAMPLES));
+        count(columns.len());
+        for (sample, column) in samples.iter_mut().zip(columns) {
             let pixel = cached.lone(line, column);
+            if pixel.range_m == 0.0 {
+                continue;
+            }
             let square_m2 = pixel.range_m * pixel.range_m;
-            let sample = Sample {
+            *sample = Sample {
                 along: pixel.cos * here.cos + pixel.sin * here.sin,
                 across: pixel.sin * here.cos - pixel.cos * here.sin,
                 inverse_m: 1.0 / pixel.range_m,
                 weight: square_m2 * square_m2 / (line.alike_px * line.variance.at(pixel.range_m)),
                 angle_rad: line.fan.column_rad(column) - middle_rad,
             };
-            (pixel.range_m > 0.0).then_some(sample)
-        };
-        let columns = || run.clone().step_by(stride);
-        let Some(found) = Line::of(columns().filter_map(&mut sample)) else { return };
-        let (share, weight) = found.share(columns().filter_map(&mut sample));
+        }
+        let Some(found) = Line::of(&samples) else { return };
+        let (share, weight) = found.share(&samples);
         if weight * (STRETCH * STRETCH) >= 1.0 && share.abs() <= 3.0 * STRETCH {
             self.products += weight * (share + so_far);
             self.weights += weight;
@@ -127,7 +138,9 @@ impl Stretch {
     /// Looks at the runs of a row. Returns how much more the share that counts is now, if it is
     /// another one.
     pub fn look_at(&mut self, line: &Scanline, areas: &Areas, slots: &[u16], cached: &mut Cached) -> Option<f32> {
-        if !line.fan.turns() || !line.frame.plain {
+        let row = usize::from(areas.row);
+        let is_looked_at = row < STRETCH_ROWS || row.is_multiple_of(4);
+        if !is_looked_at || !line.fan.turns() || !line.frame.plain {
             return None;
         }
         let mut start = 0;
