@@ -160,6 +160,16 @@ fn ends_beside_the_scanner() {
     assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(nearest)).doubts > 0, "no doubt");
 }
 
+/// Returns at no distance at all between far ones: in single precision the squares of their chords are 0, and with them the
+/// noise that a turn must be beyond.
+#[test]
+fn turns_at_the_scanner() {
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.2, step_rad: 0.1 }, axis: TurnAxis::Y };
+    let scan = Scan { columns: 5, range_m: vec![0.6, 1e-30, 0.6, 1e-30, 0.6], turn_rad: vec![0.0], rig };
+    let ranging = Ranging::new(0.4).with_limits(f32::MIN_POSITIVE, 100.0);
+    assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(ranging)).doubts > 0, "no doubt");
+}
+
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live
 /// labels. Each row is a zigzag whose corners are at every second pixel, and no two lines are in
 /// one plane.

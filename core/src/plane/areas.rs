@@ -9,6 +9,7 @@ use crate::plane::marks::{ENDED, FREE, LIVE, Marks, both_beyond};
 use crate::plane::rules::{LOOKED_AT, Rules};
 use crate::plane::tried::Tried;
 use crate::plane::work::count;
+use crate::row::bits::{CHUNK, VECTORS};
 use crate::row::slots::NONE;
 use crate::segment::SegmentSums;
 use crate::sink::Sink;
@@ -107,6 +108,14 @@ impl<'a> Areas<'a> {
     /// The plane of a slot.
     pub fn m(&self, slot: u16) -> [f32; 3] {
         self.get(slot).m()
+    }
+
+    /// Changes the planes of all areas: of the middle of its columns, and the plane with its sums.
+    pub fn change_planes(&mut self, change: impl Fn(usize, &Fitted) -> Fitted) {
+        for area in self.table.iter_mut().take(usize::from(self.fresh)).filter(|area| area.points > 0) {
+            let middle = (usize::from(area.first_column) + usize::from(area.last_column)) / 2;
+            area.set_fitted(&change(middle, &area.fitted()));
+        }
     }
 
     pub fn marks(&self, slot: u16) -> Marks {
@@ -237,11 +246,17 @@ impl<'a> Areas<'a> {
     pub fn settle(&mut self, rows: [&mut [u16]; 3]) {
         if core::mem::take(&mut self.joined) {
             let mut last = (NONE, NONE);
-            for slot in rows.into_iter().flatten().filter(|slot| **slot < FULL) {
-                if *slot != last.0 {
-                    last = (*slot, self.root(*slot));
+            for chunk in rows.into_iter().flat_map(|row| row.chunks_mut(CHUNK)) {
+                let is_last = |same: bool, slot: &u16| same & (*slot == last.0);
+                if VECTORS && last.0 == last.1 && chunk.iter().fold(true, is_last) {
+                    continue;
                 }
-                *slot = last.1;
+                for slot in chunk {
+                    if *slot != last.0 {
+                        last = (*slot, self.root(*slot));
+                    }
+                    *slot = last.1;
+                }
             }
         }
     }

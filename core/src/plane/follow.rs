@@ -12,7 +12,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::dot;
+use crate::arithmetic::{below, dot};
 use crate::plane::areas::Areas;
 use crate::plane::rules::Rules;
 use crate::plane::scanline::{Along, Scanline};
@@ -90,7 +90,8 @@ impl Prices {
     /// What a return gains by being on a plane at this squared error.
     #[inline(always)]
     fn gain(&self, error: f32) -> f32 {
-        let price = if (error < self.off_plane) | (error == FAR) { error } else { self.off_plane };
+        let price =
+            if below(error, self.off_plane) | (error.to_bits() == FAR.to_bits()) { error } else { self.off_plane };
         (self.left - price) * self.share
     }
 
@@ -98,8 +99,8 @@ impl Prices {
     /// ahead before it.
     #[inline(always)]
     fn ahead(&self, before: f32, gain: f32) -> f32 {
-        let least = if before > 0.0 { before } else { 0.0 };
-        gain + if least < self.leave { least } else { self.leave }
+        let least = if below(0.0, before) { before } else { 0.0 };
+        gain + if below(least, self.leave) { least } else { self.leave }
     }
 }
 
@@ -133,12 +134,12 @@ fn one_by_one(
 ) -> [u32; 4] {
     let ([mut was_left, mut was_on, mut returned, mut far], mut bit) = ([0; 4], 1u32);
     for (&error, &range_m) in errors.iter().zip(range_m).take(width) {
-        was_left |= if *ahead < 0.0 { bit } else { 0 };
-        was_on |= if *ahead > prices.leave { bit } else { 0 };
+        was_left |= if below(*ahead, 0.0) { bit } else { 0 };
+        was_on |= if below(prices.leave, *ahead) { bit } else { 0 };
         let mut gain = 0.0;
-        if range_m > 0.0 {
+        if below(0.0, range_m) {
             returned |= bit;
-            far |= if error < prices.off_plane { 0 } else { bit };
+            far |= if below(error, prices.off_plane) { 0 } else { bit };
             gain = prices.gain(error);
         }
         *ahead = prices.ahead(*ahead, gain);
@@ -150,10 +151,9 @@ fn one_by_one(
 /// Of each pixel of a chunk how much being on a plane is ahead before it.
 fn aheads(ahead: &mut f32, gains: &[f32; CHUNK], width: usize, prices: &Prices) -> [f32; CHUNK] {
     let (leave, mut aheads) = (prices.leave, [0.0; CHUNK]);
-    if width == CHUNK
-        && *ahead >= leave
-        && gains.iter().fold(0.0, |least, &gain| if gain < least { gain } else { least }) == 0.0
-    {
+    // the highest bit is the sign
+    let gained = || gains.iter().fold(0, |bits, gain| bits | gain.to_bits()) >> 31 == 0;
+    if width == CHUNK && *ahead >= leave && gained() {
         // nothing leaves here
         aheads[0] = *ahead;
         for i in 1..CHUNK {
@@ -251,7 +251,7 @@ impl Best {
         let most_turn = rules.most_turn;
         let (turn_rad2, ring_m2) = if line.fan.spins() { (0.0, left2) } else { (left2, 0.0) };
         let offset_m = line.offset_m;
-        let least = |a: f32, b: f32| if a < b { a } else { b };
+        let least = |a: f32, b: f32| if below(a, b) { a } else { b };
         let errors = part_mut(&mut self.errors, pixels.clone());
         let slots = part_mut(&mut self.slots, pixels.clone());
         let Lanes { range_m, cos, sin, beside } = lanes;
@@ -266,7 +266,7 @@ impl Best {
             // tan(incidence), squared
             let tan_square = spread.tan_square(square_m2 * steep - 1.0);
             let range_m2 = variance.at(range_m) + ring_m2;
-            let of_turn_m2 = if VECTORS || turn_rad2 > 0.0 {
+            let of_turn_m2 = if VECTORS || below(0.0, turn_rad2) {
                 let slope = square_m2 * cos * turned;
                 least(slope * slope * turn_rad2, most_turn * range_m2)
             } else {
@@ -274,8 +274,8 @@ impl Best {
             };
             let variance_m2 = range_m2 + of_turn_m2 + spread.at(square_m2, tan_square);
             let square = error_m * error_m / variance_m2;
-            let square = if q > 1.0 / MOST_SHARE { square } else { FAR };
-            let better = square < *known;
+            let square = if below(1.0 / MOST_SHARE, q) { square } else { FAR };
+            let better = below(square, *known);
             *known = if better { square } else { *known };
             *best = if better { slot } else { *best };
         }

@@ -7,7 +7,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::inverse_sqrt;
+use crate::arithmetic::{below, inverse_sqrt};
 use crate::plane::rules::{CANDIDATE_CUTS, LEAN, Rules};
 use crate::plane::scanline::{At, Cached, Scanline};
 use crate::plane::work::count;
@@ -47,18 +47,17 @@ impl Cuts {
 
     /// Puts a cut before a pixel in the place of the worst one; gives its place.
     fn begin(&mut self, column: usize, cost: f32, pixel: &At, inverse_m: f32) -> usize {
-        let mut worst = (-1.0, 0);
+        let mut worst = 0;
         for i in 0..CANDIDATE_CUTS {
-            if !VECTORS && self.cost[i] == OUT {
-                worst.1 = i;
+            let last = CANDIDATE_CUTS - 1 - i;
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
+                worst = key(OUT, last);
                 break;
             }
-            let total = self.cost[i] + self.squares[i];
-            if total > worst.0 {
-                worst = (total, i);
-            }
+            let key = key(self.cost[i] + self.squares[i], last);
+            worst = if key > worst { key } else { worst };
         }
-        let i = worst.1 % CANDIDATE_CUTS;
+        let i = CANDIDATE_CUTS - 1 - place(worst);
         self.column[i] = column as u32;
         (self.cost[i], self.cos[i], self.sin[i]) = (cost, pixel.cos, pixel.sin);
         // beams of a pinhole are no unit vectors within their row
@@ -72,14 +71,21 @@ impl Cuts {
 
     /// One more pixel of every line; `root` is the root of its weight.
     #[inline(always)]
-    fn add(&mut self, pixel: &At, inverse_m: f32, root: f32) {
+    fn add(&mut self, newest: usize, pixel: &At, inverse_m: f32, root: f32) {
         let [sd, sr, sy, sdd, syy] = &mut self.solved;
         let At { cos, sin, .. } = *pixel;
         for i in 0..CANDIDATE_CUTS {
-            if !VECTORS && self.cost[i] == OUT {
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
                 continue;
             }
             let along = cos * self.cos[i] + sin * self.sin[i];
+            if !VECTORS && i == newest {
+                // all of the rest is 0
+                let (a, e) = (root * along, root * (inverse_m - along * self.inverse_m[i]));
+                sd[i] = a * a;
+                sy[i] = a * (1.0 / sd[i]) * e;
+                continue;
+            }
             let across = sin * self.cos[i] - cos * self.sin[i];
             let (a, b, e) = (root * along, root * across, root * (inverse_m - along * self.inverse_m[i]));
             let (b, e) = (b - a * sr[i], e - a * sy[i]);
@@ -93,7 +99,7 @@ impl Cuts {
             let e = e - b * syy[i];
             let before = sdd[i];
             let dd = before + weight * b * b;
-            let per = if dd > 0.0 { weight / dd } else { 0.0 };
+            let per = if below(0.0, dd) { weight / dd } else { 0.0 };
             sdd[i] = dd;
             syy[i] += per * b * e;
             self.squares[i] += per * before * e * e;
@@ -103,23 +109,39 @@ impl Cuts {
     /// The least cost of everything up to here, and the last cut of it. Cuts that cannot become the
     /// best any more are out. The line of the newest one has one pixel.
     fn best(&mut self, newest: usize, rules: &Rules) -> (f32, u32) {
-        let totals: PerCut = core::array::from_fn(|i| {
-            if !VECTORS && self.cost[i] == OUT {
+        let mut totals: PerCut = core::array::from_fn(|i| {
+            if !VECTORS && self.cost[i].to_bits() == OUT.to_bits() {
                 return OUT;
             }
-            self.cost[i] + if i == newest { rules.lone_price } else { rules.line_price + self.squares[i] }
+            self.cost[i] + (rules.line_price + self.squares[i])
         });
-        let mut best = (totals[0], 0);
+        totals[newest] = self.cost[newest] + rules.lone_price;
+        let mut best = u64::MAX;
         for (i, &total) in totals.iter().enumerate() {
-            if total < best.0 {
-                best = (total, i);
-            }
+            let key = key(total, i);
+            best = if key < best { key } else { best };
         }
+        let best = place(best);
+        let least = totals[best];
+        let most = least + rules.line_price;
         for (cost, total) in self.cost.iter_mut().zip(totals) {
-            *cost = if total > best.0 + rules.line_price { OUT } else { *cost };
+            *cost = if below(most, total) { OUT } else { *cost };
         }
-        (best.0, self.column[best.1 % CANDIDATE_CUTS])
+        (least, self.column[best])
     }
+}
+
+/// A number that is not negative, and its place, as one integer in the order of the numbers and,
+/// where they are equal, of the places: the least of integers vectorises.
+#[inline(always)]
+fn key(number: f32, place: usize) -> u64 {
+    u64::from(number.to_bits()) * CANDIDATE_CUTS as u64 + place as u64
+}
+
+/// The place of a key.
+#[inline(always)]
+fn place(key: u64) -> usize {
+    key as usize % CANDIDATE_CUTS
 }
 
 /// Cuts the returns of `run` into lines, and gives them from right to left; each begins and ends
@@ -133,8 +155,30 @@ pub(crate) fn lines(
     mut found: impl FnMut(Range<usize>, &mut Cached),
 ) {
     let start = run.start;
+    if run.len() <= 2 {
+        // a line of two pixels has no squares
+        let apart = 2.0 * rules.lone_price < rules.line_price;
+        run.clone().for_each(|column| put(from, column, if apart { (column - start) as u16 } else { 0 }));
+    } else {
+        cut(run.clone(), row, rules, from, cached);
+    }
+    let mut end = run.end;
+    while end > start {
+        if row.range_m(end - 1) == 0.0 {
+            end -= 1;
+            continue;
+        }
+        let begin = start + usize::from(at(from, end - 1));
+        found(begin..end, cached);
+        end = begin;
+    }
+}
+
+/// Finds for each return of a run where the line begins that ends with it, from the start of the run.
+fn cut(run: Range<usize>, row: &Scanline, rules: &Rules, from: &mut [u16], cached: &mut Cached) {
+    let start = run.start;
     let (mut cuts, mut cost) = (Cuts::NONE, 0.0);
-    for column in run.clone() {
+    for column in run {
         let pixel = cached.at(row, column);
         if pixel.range_m == 0.0 {
             continue;
@@ -146,19 +190,9 @@ pub(crate) fn lines(
         let root = inverse_sqrt(row.alike_px * variance_m2) * (pixel.range_m * pixel.range_m);
         count(CANDIDATE_CUTS);
         let newest = cuts.begin(column, cost, &pixel, inverse_m);
-        cuts.add(&pixel, inverse_m, root);
+        cuts.add(newest, &pixel, inverse_m, root);
         let (least, cut) = cuts.best(newest, rules);
         cost = least;
         put(from, column, (cut as usize - start) as u16);
-    }
-    let mut end = run.end;
-    while end > start {
-        if row.range_m(end - 1) == 0.0 {
-            end -= 1;
-            continue;
-        }
-        let begin = start + usize::from(at(from, end - 1));
-        found(begin..end, cached);
-        end = begin;
     }
 }

@@ -1,5 +1,6 @@
 //! The variance of a range: of what was stated and what the scan itself tells, the larger.
 
+use crate::arithmetic::below;
 use crate::config::Ranging;
 use crate::plane::rules::Rules;
 
@@ -59,9 +60,9 @@ impl Variance {
         let [constant, grown] = self.measured;
         let square = range_m * range_m;
         let stated = self.constant_m2.unwrap_or_else(|| self.stated_at(range_m));
-        let measured_at = if square < MOST_MEASURED_M2 { square } else { MOST_MEASURED_M2 };
+        let measured_at = if below(square, MOST_MEASURED_M2) { square } else { MOST_MEASURED_M2 };
         let measured = constant + grown * measured_at * measured_at;
-        if measured > stated { measured } else { stated }
+        if below(stated, measured) { measured } else { stated }
     }
 }
 
@@ -89,8 +90,8 @@ impl Spread {
     /// The squared tangent of the incidence that counts.
     #[inline(always)]
     pub fn tan_square(&self, tan_square: f32) -> f32 {
-        let positive = if tan_square > 0.0 { tan_square } else { 0.0 };
-        if positive < self.most_tan_square { positive } else { self.most_tan_square }
+        let positive = if below(0.0, tan_square) { tan_square } else { 0.0 };
+        if below(positive, self.most_tan_square) { positive } else { self.most_tan_square }
     }
 
     /// At a range squared and a squared tangent of the incidence, m^2.

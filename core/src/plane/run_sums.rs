@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::{dot, less, plus};
+use crate::arithmetic::{below, dot, less, plus};
 use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::LEAN;
 use crate::plane::scanline::{Along, At, Cached, Scanline};
@@ -17,10 +17,16 @@ use crate::weighted::sums::{Errors, Sums};
 /// it is no plane that the pixel could lie on.
 const LEAST_SHARE: f32 = 0.05;
 
+/// The sum of so many pixels is the same in any order.
+const FEW: usize = 2;
+
 /// Pixels that are summed side by side.
 const LANES: usize = 8;
 
 type Eight = [f32; LANES];
+
+/// Elements of the scatter of [`Sums`].
+const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
 /// The number of each pixel of a chunk.
 const NUMBERS: [f32; CHUNK] = {
@@ -69,7 +75,7 @@ impl Weighing {
         let (q, range_m2) = if first {
             (1.0 / r, r * r)
         } else {
-            let q = if predicted * r > LEAST_SHARE { predicted } else { LEAST_SHARE / r };
+            let q = if below(LEAST_SHARE, predicted * r) { predicted } else { LEAST_SHARE / r };
             (q, 1.0 / (q * q))
         };
         let q2 = q * q;
@@ -80,6 +86,35 @@ impl Weighing {
         // what 1 / r is more than the plane has it
         let error = if first { q - predicted } else { q * (1.0 - r * q) };
         [weight, cos - middle.cos, sin - middle.sin, beside - middle.beside, error]
+    }
+
+    /// Sums over the returns of a run: see [`RunSums`].
+    #[inline(always)]
+    fn total(&self, first: bool, row: &Scanline, run: Range<usize>, cached: &mut Cached) -> ([f32; 10], [f32; 5]) {
+        if VECTORS && run.len() <= FEW {
+            let (mut plain, mut beside) = ([0.0; 10], [0.0; 5]);
+            for column in run {
+                let pixel = cached.at(row, column);
+                if pixel.range_m > 0.0 {
+                    let terms = self.terms(first, pixel);
+                    plain.iter_mut().zip(products(terms)).for_each(|(sum, term)| *sum += term);
+                    if self.beside {
+                        beside.iter_mut().zip(products_beside(terms)).for_each(|(sum, term)| *sum += term);
+                    }
+                }
+            }
+            return (plain, beside);
+        }
+        let mut sums = RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] };
+        let mut at = run.start;
+        while at < run.end {
+            let (lanes, i) = cached.lanes(row, at);
+            let end = run.end.min((at / CHUNK + 1) * CHUNK);
+            let last = i + end - at;
+            self.add(first, i, last, lanes, &mut sums);
+            at = end;
+        }
+        (sums.plain.map(total), if self.beside { sums.beside.map(total) } else { [0.0; 5] })
     }
 
     /// Adds the returns of a chunk from number `from` up to `to`.
@@ -105,16 +140,13 @@ impl Weighing {
         let Lanes { cos, sin, beside, range_m } = lanes;
         let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
         for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
-            if range_m > 0.0 {
-                let [w, c, s, t, e] = self.terms(first, At { cos, sin, beside, range_m });
-                let (wc, ws, we) = (w * c, w * s, w * e);
-                let terms = [w, wc, ws, we, wc * c, wc * s, ws * s, we * c, we * s, we * e];
-                for (sum, term) in sums.plain.iter_mut().zip(terms) {
+            if below(0.0, range_m) {
+                let terms = self.terms(first, At { cos, sin, beside, range_m });
+                for (sum, term) in sums.plain.iter_mut().zip(products(terms)) {
                     sum[i % LANES] += term;
                 }
                 if self.beside {
-                    let wt = w * t;
-                    for (sum, term) in sums.beside.iter_mut().zip([wt, wt * c, wt * s, wt * t, wt * e]) {
+                    for (sum, term) in sums.beside.iter_mut().zip(products_beside(terms)) {
                         sum[i % LANES] += term;
                     }
                 }
@@ -146,6 +178,20 @@ impl Weighing {
             }
         }
     }
+}
+
+/// What a pixel of these terms adds to the sums in plain rows.
+#[inline(always)]
+fn products([w, c, s, _, e]: [f32; 5]) -> [f32; 10] {
+    let (wc, ws, we) = (w * c, w * s, w * e);
+    [w, wc, ws, we, wc * c, wc * s, ws * s, we * c, we * s, we * e]
+}
+
+/// And to those of other rows.
+#[inline(always)]
+fn products_beside([w, c, s, t, e]: [f32; 5]) -> [f32; 5] {
+    let wt = w * t;
+    [wt, wt * c, wt * s, wt * t, wt * e]
 }
 
 /// Adds eight pixels with these terms to the sums. A function of its own, so that the compiler keeps
@@ -223,15 +269,7 @@ impl Scanline<'_> {
             middle,
             beside: !self.frame.plain,
         };
-        let mut sums = RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] };
-        let mut at = run.start;
-        while at < run.end {
-            let (lanes, i) = cached.lanes(self, at);
-            let end = run.end.min((at / CHUNK + 1) * CHUNK);
-            let last = i + end - at;
-            weighing.add(first, i, last, lanes, &mut sums);
-            at = end;
-        }
+        let (sums, mut beside) = weighing.total(first, self, run, cached);
         let slope = if self.fan.spins() {
             let q = middle.cos * along.a + middle.sin * along.b + along.k;
             [q * q, 0.0]
@@ -240,8 +278,6 @@ impl Scanline<'_> {
             let per = if first { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
             [per * middle.cos, per]
         };
-        let mut beside = sums.beside.map(total);
-        let sums = sums.plain.map(total);
         let all = sums[0];
         let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, &mut beside, slope, self.off2);
         let [t, ct, st, tt, et] = beside;
@@ -252,17 +288,15 @@ impl Scanline<'_> {
         let (ec, es, et) = (ec - e * mc, es - e * ms, et - e * mt);
         let Frame { p, q, r, t, plain, .. } = self.frame;
         let (fc, fs, ft) = (middle.cos + mc, middle.sin + ms, middle.beside + mt);
-        let pair = |i: usize, j: usize| {
-            let both = |a: [f32; 3], b: [f32; 3]| a[i] * b[j] + b[i] * a[j];
-            let pair = cc * p[i] * p[j] + cs * both(p, q) + ss * q[i] * q[j];
-            if plain { pair } else { pair + ct * both(p, t) + st * both(q, t) + tt * t[i] * t[j] }
-        };
-        let sums = Sums {
-            w,
-            all,
-            c: [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + ft * t[i] + r[i]),
-            s: [pair(0, 0), pair(1, 1), pair(2, 2), pair(0, 1), pair(0, 2), pair(1, 2)],
-        };
+        let both = |a: [f32; 3], b: [f32; 3], [i, j]: [usize; 2]| a[i] * b[j] + b[i] * a[j];
+        let mut scatter = PAIRS.map(|ij @ [i, j]| cc * p[i] * p[j] + cs * both(p, q, ij) + ss * q[i] * q[j]);
+        if !plain {
+            for (sum, ij @ [i, j]) in scatter.iter_mut().zip(PAIRS) {
+                *sum = *sum + ct * both(p, t, ij) + st * both(q, t, ij) + tt * t[i] * t[j];
+            }
+        }
+        let c = [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + ft * t[i] + r[i]);
+        let sums = Sums { w, all, c, s: scatter };
         (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i] + et * t[i]), squares: ee })
     }
 

@@ -4,9 +4,9 @@
 use crate::arithmetic::dot;
 use crate::config::Ranging;
 use crate::plane::noise::{Spread, Variance};
-use crate::row::bits::{CHUNK, VECTORS};
+use crate::row::bits::{CHUNK, VECTORS, load};
 use crate::row::fan::{Fan, Frame, Lanes};
-use crate::row::within::{at, split_mut};
+use crate::row::within::at;
 
 /// Nearer returns count as being there, metres: the fourth power of a range is a number.
 const LEAST_RANGE_M: f32 = 1e-3;
@@ -58,12 +58,11 @@ impl Scanline<'_> {
     /// The chunk that starts at column `from`.
     #[inline]
     pub fn lanes(&self, from: usize, lanes: &mut Lanes) {
-        let row = self.ranges_m.get(from..).unwrap_or_default();
-        let (there, past) = split_mut(&mut lanes.range_m, row.len().min(CHUNK));
-        for (to, &range_m) in there.iter_mut().zip(row) {
+        let mut copy = [0.0; CHUNK];
+        let row = load(self.ranges_m, from, &mut copy);
+        for (to, &range_m) in lanes.range_m.iter_mut().zip(row) {
             *to = self.known(range_m);
         }
-        past.fill(0.0);
         self.fan.lanes(&self.frame, from, lanes);
     }
 

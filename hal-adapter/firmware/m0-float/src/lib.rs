@@ -1,9 +1,9 @@
-//! Single-precision addition, multiplication and comparison for a Cortex-M0: bit for bit what IEEE
-//! 754 says, in fewer instructions than the routines that come with the compiler.
+//! Single-precision addition, multiplication, division and comparison for a Cortex-M0: bit for bit
+//! what IEEE 754 says, in fewer instructions than the routines that come with the compiler.
 //!
-//! The M0 has no floating point and no multiplication with 64 bits of result, and most instructions
-//! of a segmentation go into these few routines. The compiler's multiply by way of 64-bit integers.
-//! Here the usual case, two normal numbers and a normal result, is done in 32 bits; zeros are
+//! The M0 has no floating point, no division and no multiplication with 64 bits of result, and most
+//! instructions of a segmentation go into these few routines. The compiler's multiply and divide by
+//! way of 64-bit integers. Here the usual case, two normal numbers and a normal result, is done in 32 bits; zeros are
 //! looked after, and everything rarer is left to the compiler's routine.
 //!
 //! `use m0_float as _;` in a program puts them in place: the linker prefers them to the compiler's.
@@ -46,6 +46,53 @@ pub fn multiply(a: u32, b: u32) -> Option<u32> {
     } else {
         round(upper + (high << 1 | rest >> 31), rest << 1)
     })
+}
+
+/// The quotient of two numbers, as bits; `None` where something is zero, infinite, not a number or
+/// subnormal.
+#[inline(always)]
+#[must_use]
+pub fn divide(a: u32, b: u32) -> Option<u32> {
+    let (a_exponent, b_exponent) = (a << 1 >> 24, b << 1 >> 24);
+    // biased by 127; 1 less if the significand of a is less than that of b
+    let exponent = (a_exponent + 127).wrapping_sub(b_exponent);
+    if is_special(a_exponent) || is_special(b_exponent) || !(2..=254).contains(&exponent) {
+        return None;
+    }
+    let (mut rest, divisor) = (a & FRACTION | IMPLICIT, b & FRACTION | IMPLICIT);
+    let mut upper = ((a ^ b) & SIGN) | ((exponent - 1) << 23);
+    if rest < divisor {
+        rest <<= 1;
+        upper -= IMPLICIT;
+    }
+    let inverse = inverse(divisor);
+    // one digit, then two of 12 bits, each the true one or some less. Of the products the upper
+    // bits are lost, which are those of the difference as well
+    let mut quotient = 0;
+    for _ in 0..2 {
+        let digit = (rest >> 9) * inverse >> 18;
+        rest = (rest << 12).wrapping_sub(digit * divisor);
+        quotient = (quotient << 12) + digit;
+    }
+    while rest >= divisor {
+        rest -= divisor;
+        quotient += 1;
+    }
+    // half of its last bit is no quotient of two such numbers, so that there are no ties
+    Some(upper + ((quotient + 1) >> 1))
+}
+
+/// 2^39 over a significand, up to 2^-13 of it less, by Newton's iteration.
+#[inline(always)]
+fn inverse(divisor: u32) -> u32 {
+    let upper = divisor >> 8;
+    // within 9 %
+    let mut inverse = 95_492 - upper;
+    for _ in 0..3 {
+        let off = (SIGN.wrapping_sub(upper * inverse)) as i32 >> 15;
+        inverse = inverse.wrapping_add((inverse as i32 * off >> 16) as u32);
+    }
+    inverse - 2
 }
 
 /// 0 and 255: zeros and subnormal numbers; infinities and what is not a number.
@@ -115,6 +162,9 @@ fn round(number: u32, rest: u32) -> u32 {
 #[inline(always)]
 #[must_use]
 pub fn less(a: u32, b: u32) -> bool {
+    if (a | b) & SIGN == 0 {
+        return a < b && b <= INFINITY;
+    }
     ordered(a, b) && order(a) < order(b)
 }
 
@@ -122,6 +172,9 @@ pub fn less(a: u32, b: u32) -> bool {
 #[inline(always)]
 #[must_use]
 pub fn at_most(a: u32, b: u32) -> bool {
+    if (a | b) & SIGN == 0 {
+        return a <= b && b <= INFINITY;
+    }
     ordered(a, b) && order(a) <= order(b)
 }
 
@@ -165,7 +218,7 @@ mod tests {
     #[test]
     fn as_the_processor_of_this_host() {
         let mut number = numbers();
-        let (mut products, mut sums) = (0, 0);
+        let (mut products, mut sums, mut quotients) = (0, 0, 0);
         for _ in 0..10_000_000 {
             let (a, b) = (number(), number());
             let (x, y) = (f32::from_bits(a), f32::from_bits(b));
@@ -177,8 +230,21 @@ mod tests {
                 assert_eq!(sum, (x + y).to_bits(), "{x:e} + {y:e}");
                 sums += 1;
             }
+            if let Some(quotient) = divide(a, b) {
+                assert_eq!(quotient, (x / y).to_bits(), "{x:e} / {y:e}");
+                quotients += 1;
+            }
             assert_eq!((less(a, b), at_most(a, b)), (x < y, x <= y), "{x:e} against {y:e}");
         }
-        assert!(products > 6_000_000 && sums > 6_000_000, "{products} products and {sums} sums");
+        let enough = products > 6_000_000 && sums > 6_000_000 && quotients > 6_000_000;
+        assert!(enough, "{products} products, {sums} sums and {quotients} quotients");
+    }
+
+    #[test]
+    fn inverses_of_all_significands() {
+        for divisor in IMPLICIT..2 * IMPLICIT {
+            let rest = (1u64 << 39).checked_sub(u64::from(inverse(divisor)) * u64::from(divisor));
+            assert!(rest.is_some_and(|rest| rest < 1 << 26), "{divisor:x} {rest:?}");
+        }
     }
 }
