@@ -16,6 +16,7 @@ build() { # cargo and its flags
 }
 # shellcheck disable=SC2086
 if targets $triples; then
+    export CARGO_PROFILE_DEV_OPT_LEVEL=0 # what does not build does not build either way
     build cargo
 elif install rustc-web cargo-web rust-web-src lld; then
     export RUSTC_BOOTSTRAP=1 RUSTC=/usr/bin/rustc CARGO_TARGET_DIR=target/debian

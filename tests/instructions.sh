@@ -16,12 +16,12 @@ trap 'rm -rf "$work"' EXIT
 counted() { # command...: instructions of the whole run
     valgrind --tool=callgrind --callgrind-out-file=/dev/null "$@" 2>&1 >/dev/null | awk '/Collected/ {print $4}'
 }
-per_point() { # arguments of the program but for the last: the difference of two runs and one leaves the core alone
-    local points one two
+per_point() { # arguments of the program but for the last: the difference of one run and none leaves the core alone
+    local points none one
     points=$("$cost" "$@" 1 | cut -d ' ' -f 1)
+    none=$(counted "$cost" "$@" 0)
     one=$(counted "$cost" "$@" 1)
-    two=$(counted "$cost" "$@" 2)
-    awk -v n="$points" -v d=$((two - one)) 'BEGIN {printf "%.1f", d / n}'
+    awk -v n="$points" -v d=$((one - none)) 'BEGIN {printf "%.1f", d / n}'
 }
 
 echo "instructions per point, segments and planes included (callgrind, $(rustc --version | cut -d' ' -f1,2))"
