@@ -114,7 +114,8 @@ impl Weighing {
             self.add(first, i, last, lanes, &mut sums);
             at = end;
         }
-        (sums.plain.map(total), if self.beside { sums.beside.map(total) } else { [0.0; 5] })
+        let plain = core::array::from_fn(|i| total(&sums.plain[i]));
+        (plain, if self.beside { core::array::from_fn(|i| total(&sums.beside[i])) } else { [0.0; 5] })
     }
 
     /// Adds the returns of a chunk from number `from` up to `to`.
@@ -216,7 +217,7 @@ fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
 
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))] // in 15 places it takes 1 KB
-fn total(l: Eight) -> f32 {
+fn total(l: &Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
