@@ -303,7 +303,8 @@ impl Scanline<'_> {
 
     /// The plane of a line of this row, which begins and ends with a return.
     pub fn fitted(&self, run: Range<usize>, cached: &mut Cached) -> Fitted {
-        let [first, last] = [run.start, run.end - 1].map(|column| cached.lone(self, column));
+        // the last one first: lines come from right to left, and sums are from left to right
+        let [last, first] = [run.end - 1, run.start].map(|column| cached.lone(self, column));
         // to begin with the plane through both ends that leans least across the row
         let [u, v] = [first, last].map(|end| self.beam(&end));
         let d = less(v, u);
