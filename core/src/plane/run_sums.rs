@@ -114,7 +114,8 @@ impl Weighing {
             self.add(first, i, last, lanes, &mut sums);
             at = end;
         }
-        (sums.plain.map(total), if self.beside { sums.beside.map(total) } else { [0.0; 5] })
+        let plain = core::array::from_fn(|i| total(&sums.plain[i]));
+        (plain, if self.beside { core::array::from_fn(|i| total(&sums.beside[i])) } else { [0.0; 5] })
     }
 
     /// Adds the returns of a chunk from number `from` up to `to`.
@@ -216,7 +217,7 @@ fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
 
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))] // in 15 places it takes 1 KB
-fn total(l: Eight) -> f32 {
+fn total(l: &Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
@@ -302,7 +303,8 @@ impl Scanline<'_> {
 
     /// The plane of a line of this row, which begins and ends with a return.
     pub fn fitted(&self, run: Range<usize>, cached: &mut Cached) -> Fitted {
-        let [first, last] = [run.start, run.end - 1].map(|column| cached.lone(self, column));
+        // the last one first: lines come from right to left, and sums are from left to right
+        let [last, first] = [run.end - 1, run.start].map(|column| cached.lone(self, column));
         // to begin with the plane through both ends that leans least across the row
         let [u, v] = [first, last].map(|end| self.beam(&end));
         let d = less(v, u);

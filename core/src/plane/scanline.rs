@@ -4,7 +4,7 @@
 use crate::arithmetic::dot;
 use crate::config::Ranging;
 use crate::plane::noise::{Spread, Variance};
-use crate::row::bits::{CHUNK, VECTORS, load};
+use crate::row::bits::{CHUNK, VECTORS};
 use crate::row::fan::{Fan, Frame, Lanes};
 use crate::row::within::at;
 
@@ -58,10 +58,13 @@ impl Scanline<'_> {
     /// The chunk that starts at column `from`.
     #[inline]
     pub fn lanes(&self, from: usize, lanes: &mut Lanes) {
-        let mut copy = [0.0; CHUNK];
-        let row = load(self.ranges_m, from, &mut copy);
-        for (to, &range_m) in lanes.range_m.iter_mut().zip(row) {
-            *to = self.known(range_m);
+        let row = self.ranges_m.get(from..).unwrap_or_default();
+        if let Some(row) = row.first_chunk() {
+            let row: &[f32; CHUNK] = row;
+            lanes.range_m.iter_mut().zip(row).for_each(|(to, &range_m)| *to = self.known(range_m));
+        } else {
+            lanes.range_m.fill(0.0);
+            lanes.range_m.iter_mut().zip(row).for_each(|(to, &range_m)| *to = self.known(range_m));
         }
         self.fan.lanes(&self.frame, from, lanes);
     }

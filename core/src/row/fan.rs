@@ -237,9 +237,7 @@ impl<'a> Fan<'a> {
             }
             Beams::Free { .. } => {}
         }
-        if frame.plain {
-            lanes.beside = [0.0; CHUNK];
-        } else {
+        if !frame.plain {
             self.bend(frame, from, lanes);
         }
     }
@@ -397,7 +395,7 @@ fn free(directions: &[[f32; 3]], counts: impl Fn(usize) -> bool) -> [[f32; 3]; 4
 pub(crate) struct Lanes {
     pub cos: Lane,
     pub sin: Lane,
-    /// 0 in a plain row.
+    /// 0 in a plain row: as in [`Lanes::EMPTY`], with which each row begins.
     pub beside: Lane,
     /// 0 for no return, and outside of the image.
     pub range_m: Lane,

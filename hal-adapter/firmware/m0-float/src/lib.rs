@@ -70,7 +70,7 @@ pub fn divide(a: u32, b: u32) -> Option<u32> {
     // bits are lost, which are those of the difference as well
     let mut quotient = 0;
     for _ in 0..2 {
-        let digit = (rest >> 9) * inverse >> 18;
+        let digit = ((rest >> 9) * inverse) >> 18;
         rest = (rest << 12).wrapping_sub(digit * divisor);
         quotient = (quotient << 12) + digit;
     }
@@ -90,7 +90,7 @@ fn inverse(divisor: u32) -> u32 {
     let mut inverse = 95_492 - upper;
     for _ in 0..3 {
         let off = (SIGN.wrapping_sub(upper * inverse)) as i32 >> 15;
-        inverse = inverse.wrapping_add((inverse as i32 * off >> 16) as u32);
+        inverse = inverse.wrapping_add(((inverse as i32 * off) >> 16) as u32);
     }
     inverse - 2
 }
