@@ -1,6 +1,7 @@
 //! The tests of this folder, in one program: what they share is built once.
 
 mod any;
+mod beam_stretch;
 mod checked;
 mod common;
 mod covariances;
