@@ -85,6 +85,9 @@ fi
 # Installed, and found by CMake and by pkg-config.
 if have cmake && have g++; then
     prefix=$out/run/prefix
+    # with what is built already
+    mkdir -p "$out/cmake"
+    [ -e "$out/cmake/cargo" ] || cp -a "$lib/cargo" "$out/cmake/cargo"
     quiet cmake -S "$capi" -B "$out/cmake" -DCMAKE_INSTALL_PREFIX="$prefix"
     quiet cmake --build "$out/cmake"
     quiet cmake --install "$out/cmake"
@@ -140,11 +143,14 @@ else
 fi
 
 # The labels of the C example are those of the command.
+(cd "$root" && cargo build --release --quiet -p scanseg-sim && cargo build --quiet -p scanseg-tests --example same_labels)
+target=$(cd "$root" && realpath "${CARGO_TARGET_DIR:-target}")
+scanseg=$target/release/scanseg
 scan=$root/../shared/data/tilting-sick-corridor/scan000.range_mm.pgm
 geometry=$root/../shared/data/tilting-sick-corridor/geometry.toml
 if [ ! -f "$scan" ]; then
     echo "skipped: ../shared/data is not here; a simulated office in its place"
-    (cd "$root" && cargo run --release --quiet -- office --scene 0 --noise-m 0.005 --out "$out/run/office" >/dev/null)
+    "$scanseg" office --scene 0 --noise-m 0.005 --out "$out/run/office" >/dev/null
     scan=$out/run/office/tuning-00.pgm
     geometry=$out/run/office/geometry.toml
 fi
@@ -161,13 +167,12 @@ for count in $(sed -n 's/^no_return = \[\(.*\)\].*/\1/p' "$geometry" | tr , ' ')
 done
 approach=0
 for name in plane edge region; do
-    (cd "$root" && cargo run --release --quiet -- segment "$scan" --geometry "$geometry" --approach $name \
-        --out "$out/run/$name" >/dev/null)
+    "$scanseg" segment "$scan" --geometry "$geometry" --approach $name --out "$out/run/$name" >/dev/null
     for program in segment_pgm-*; do
         # shellcheck disable=SC2086
         quiet "./$program" "$scan" "$name.pgm" $settings approach=$approach
-        same=$(cd "$root" && cargo run --quiet -p scanseg-tests --example same_labels -- "$out/run/$name/labels.png" \
-            "$out/run/$name.pgm") || { echo "$program, $name: $same"; exit 1; }
+        same=$("$target/debug/examples/same_labels" "$out/run/$name/labels.png" "$out/run/$name.pgm") ||
+            { echo "$program, $name: $same"; exit 1; }
     done
     if have valgrind; then
         # shellcheck disable=SC2086

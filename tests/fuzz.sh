@@ -20,7 +20,7 @@ cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked --debug c
 flags() { # target
     case $1 in
     capi | files | captures | clouds) ;;
-    *) echo "--sanitizer none --no-trace-compares --target-dir target/plain" ;;
+    *) echo "--sanitizer none --no-trace-compares --no-default-features" ;;
     esac
 }
 

@@ -23,5 +23,5 @@ miri() { # target, then what to test
     echo "$*: $(awk '/^test result/ { passed += $4; ignored += $8 } END { print passed " tests, " ignored " left out" }' "$log")"
 }
 miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --features scanseg-hal/link --tests
-miri s390x-unknown-linux-gnu -p scanseg-tests --test goldens --test goldens_planes --test goldens_regions
+miri s390x-unknown-linux-gnu -p scanseg-tests --test all goldens
 miri armv7-unknown-linux-gnueabihf -p scanseg-capi --tests

@@ -8,6 +8,7 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=target/packages
+export CARGO_PROFILE_DEV_DEBUG=none # nobody looks into what is built here
 # Cargo takes a package for unchanged as long as its version is.
 rm -rf "$CARGO_TARGET_DIR" "${CARGO_HOME:-$HOME/.cargo}"/registry/src/-*/scanseg-*
 
@@ -24,7 +25,7 @@ for folder in core core/capi hal-adapter host-sim/formats host-sim/virtual-rig h
     done
 done
 
-cargo publish --dry-run "${dirty[@]}" --quiet -p scanseg-core
+cargo publish --dry-run --no-verify "${dirty[@]}" --quiet -p scanseg-core
 cargo package "${dirty[@]}" --quiet "${crates[@]}"
 for package in $CARGO_TARGET_DIR/package/*.crate; do
     bytes=$(wc -c <"$package")

@@ -16,7 +16,7 @@ get distributed mcap-ros2-support || echo "skipped: distributed could not be ins
 # With what the other steps have built.
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 export CARGO_TARGET_DIR
-cargo build --quiet -p scanseg-sim --features ros
+cargo build --quiet -p scanseg-sim --features db3,ros2
 "$work/env/bin/maturin" build --quiet --profile dev -m host-sim/python/Cargo.toml -i "$python" \
     --out "$work/wheel"
 get "$work"/wheel/scanseg-*-abi3-*.whl || { echo "the wheel cannot be installed"; exit 1; }

@@ -20,7 +20,7 @@ cmp host-sim/src/view/view.min.js "$work/src/view/view.min.js" ||
     { echo "host-sim/src/view/view.min.js is not what \`npm run build\` makes"; exit 1; }
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 [ -n "$browser" ] || { install chromium && browser=$(command -v chromium); } || { echo "skipped: no chromium"; exit 0; }
-cargo build --quiet -p scanseg-sim
+cargo build --quiet -p scanseg-sim --features db3,ros2 # as other checks do
 scanseg() { "$target/debug/scanseg" "$@" >/dev/null; }
 scanseg demo --out "$work/demo" --write pcd
 for approach in edge region; do

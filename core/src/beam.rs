@@ -37,6 +37,16 @@ impl Columns<'_> {
         }
     }
 
+    /// The angle of a column, radians; 0 of one that is not there.
+    pub(crate) fn rad(&self, column: usize) -> f32 {
+        match *self {
+            Columns::Even { start_rad, step_rad } => start_rad + column as f32 * step_rad,
+            Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => {
+                list.get(column).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
     /// How much more than its row a column is turned, radians.
     pub(crate) fn turn_rad(&self, column: usize) -> f32 {
         match self {

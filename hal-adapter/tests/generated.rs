@@ -4,9 +4,7 @@
 //!
 //! Written from `reference/protocols.md` of the project's shared facts.
 
-mod noisy_line;
-
-use noisy_line::{Random, across_the_line};
+use crate::noisy_line::{Random, across_the_line};
 use scanseg_hal::lms2xx::{Event, TelegramDecoder};
 use std::collections::BTreeSet;
 

@@ -2,9 +2,7 @@
 //! that loses, flips, inserts and bursts: every one that comes whole is used, and the counts add up.
 #![cfg(feature = "link")]
 
-mod noisy_line;
-
-use noisy_line::{Random, across_the_line};
+use crate::noisy_line::{Random, across_the_line};
 use scanseg_hal::link::{FrameDecoder, Message, Received};
 
 /// At all rates of faults together.

@@ -243,7 +243,7 @@ fn longest_frames_fit() {
     println!("longest frame: {length}");
     assert!(length > 100 && length <= MAX_FRAME);
     let mut before = encoder.clone();
-    for size in 0..length {
+    for size in (0..length).step_by(if cfg!(miri) { 19 } else { 1 }) {
         assert_eq!(encoder.encode(&longest, &mut vec![0; size]), Err(FrameTooLong), "{size} of {length} bytes");
     }
     assert_eq!(frame(&mut encoder, &longest), frame(&mut before, &longest), "what did not fit was not counted");

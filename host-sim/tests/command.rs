@@ -1,7 +1,5 @@
 //! The `scanseg` command as a process: what it writes, what it prints, how it fails.
 
-mod program;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +9,7 @@ use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_sim::picture::label_colour;
 use serde_json::Value;
 
-use program::{fails, folder, scanseg, succeeds};
+use crate::program::{fails, folder, scanseg, succeeds};
 
 /// What `segment` writes by planes; by the other approaches edges.png too.
 const FILES: [&str; 11] = [

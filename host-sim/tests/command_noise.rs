@@ -1,15 +1,13 @@
 //! The noise of the ranges as the `scanseg` command takes it: stated, measured, by the name of the
 //! sensor.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use scanseg_formats::RangeImage;
 use scanseg_sim::office::{Scene, Sensor, Set};
 
-use program::{fails, folder, scanseg};
+use crate::program::{fails, folder, scanseg};
 
 /// Writes a simulated scan with 5 mm of noise, `scan.pgm`. Returns its geometry file without a word
 /// about noise.

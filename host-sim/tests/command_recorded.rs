@@ -1,16 +1,13 @@
 //! The `scanseg` command on recorded scans, where they are.
 
-mod program;
-mod recorded;
-
 use std::fs;
 use std::path::PathBuf;
 
 use scanseg_formats::GreyImage;
 use serde_json::Value;
 
-use program::{folder, scanseg, succeeds};
-use recorded::recorded;
+use crate::program::{folder, scanseg, succeeds};
+use crate::recorded::recorded;
 
 fn json(path: PathBuf) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()

@@ -1,8 +1,6 @@
 //! The `scanseg` command among other programs: pipes, devices, signals, terminals.
 #![cfg(unix)]
 
-mod program;
-
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::os::unix::fs::FileTypeExt;
@@ -14,7 +12,7 @@ use std::time::Duration;
 use scanseg_formats::GreyImage;
 use scanseg_hal::link::{FrameEncoder, MAX_FRAME, Message, VERSION};
 
-use program::{fails, folder, scanseg, succeeds};
+use crate::program::{fails, folder, scanseg, succeeds};
 
 const GEOMETRY: &str = "version = 1\nunit_m = 0.001\nrange_noise_m = 0.01\nkind = \"pinhole\"\ndepth = \"range\"\n\
      fx = 30.0\nfy = 30.0\ncx = 8.0\ncy = 8.0\n";

@@ -1,14 +1,12 @@
 //! What the `scanseg` command warns of: said on stderr, in one style, with advice that works.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 
 use scanseg_formats::{GreyImage, RangeImage};
-use scanseg_sim::office::{Scene, Sensor, Set};
+use scanseg_sim::office::{Scene, Sensor, Set, Trouble};
 
-use program::{folder, scanseg, succeeds};
+use crate::program::{folder, scanseg, succeeds};
 
 /// Writes a small simulated scan. Returns its geometry file.
 fn scan(folder: &Path) -> String {
@@ -127,6 +125,25 @@ fn planes_that_are_not_to_be_relied_on_are_said() {
     let line = said.lines().find(|line| line.starts_with("planes of ")).unwrap();
     assert!(line.ends_with(" have none"), "{said}");
     assert!(!told(vec![0; 50 * 91], "").contains("planes of "));
+}
+
+/// Beams that lie 2 % farther apart than the geometry says are found by the walls, and said once.
+#[test]
+fn beams_that_are_off_in_scale_are_said() {
+    let folder = folder("beam-scale");
+    let sensor = Sensor { range_noise_m: 0.005, ..Sensor::nodding(200, 361) };
+    let scene = Scene::numbered(Set::Tuning, 0);
+    for (scale, said) in [(1.0, ""), (1.02, " farther apart than beam_deg says"), (0.98, " nearer to each other than ")]
+    {
+        let scan = scene.troubled_scan(&sensor, Trouble::BearingScale(scale), 0).unwrap();
+        let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
+        fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
+        fs::write(folder.join("geometry.toml"), scan.geometry.to_toml()).unwrap();
+        let lines = warnings(&folder, SEGMENT);
+        let found: Vec<_> = lines.iter().filter(|line| line.contains("beam_deg")).collect();
+        assert_eq!(found.len(), usize::from(!said.is_empty()), "{scale}: {lines:?}");
+        assert!(found.iter().all(|line| line.contains(said)), "{scale}: {lines:?}");
+    }
 }
 
 /// The examples of the documentation fit their images as they are, and nothing looks wrong with their

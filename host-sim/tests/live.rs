@@ -1,9 +1,6 @@
 //! `scanseg live`: packets on loopback, bytes of a serial line.
 #![cfg(unix)]
 
-mod program;
-mod recorded;
-
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::UdpSocket;
@@ -17,8 +14,8 @@ use scanseg_formats::lidar::{Assembler, Datagrams, FiringRows, read_metadata};
 use scanseg_formats::{Angles, Kind, RangeImage};
 use scanseg_sim::segmentation::{Segmentation, ranging_of};
 
-use program::{fails, folder};
-use recorded::recorded;
+use crate::program::{fails, folder};
+use crate::recorded::recorded;
 
 /// The program, listening, and where it listens.
 fn listen(folder: &Path, arguments: &str) -> (Child, BufReader<ChildStdout>, UdpSocket) {

@@ -1,12 +1,10 @@
 //! Every `scanseg` command in the documentation is one that the program takes, and those of the first
 //! pages run as they stand.
 
-mod program;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use program::{folder, scanseg, succeeds};
+use crate::program::{folder, scanseg, succeeds};
 
 /// Commands of pages that are run from top to bottom but for these: of minutes, of a scanner, of
 /// a feature.

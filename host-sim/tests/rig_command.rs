@@ -1,8 +1,5 @@
 //! `scanseg rig`, `replay` and `listen` as processes.
 
-mod program;
-mod recorded;
-
 use std::fs;
 use std::path::Path;
 
@@ -13,8 +10,8 @@ use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_sim::segmentation::Segmentation;
 
-use program::{fails, folder, scanseg, succeeds};
-use recorded::recorded;
+use crate::program::{fails, folder, scanseg, succeeds};
+use crate::recorded::recorded;
 
 /// Segments in a file of frames, in the order in which they came.
 fn segments(path: &Path) -> Vec<SegmentReport> {

@@ -1,9 +1,7 @@
 //! What holds of all approaches alike: chosen at run time they do what they do by themselves, and
 //! every sink is told all.
 
-mod common;
-
-use common::{edge_configs, plane_configs, region_configs, scans};
+use crate::common::{edge_configs, plane_configs, region_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{
     AnyConfig, AnySegmenter, Approach, EdgeConfig, EdgeSegmenter, Finished, MAX_LATENCY_ROWS, PlaneConfig,

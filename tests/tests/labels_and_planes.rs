@@ -1,9 +1,7 @@
 //! What is reported of a scan of any approach agrees with its labels. Without a reference: the planes
 //! are fitted anew.
 
-mod common;
-
-use common::scans;
+use crate::common::scans;
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 use scanseg_core::{AnyConfig, Pixel, Ranging};

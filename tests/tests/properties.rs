@@ -1,8 +1,6 @@
 //! What must hold of every scan, whatever is in it.
 
-mod common;
-
-use common::{edge_configs, scans};
+use crate::common::{edge_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{
     COUNTS_PER_RAD, EdgeConfig, EdgeSegmenter, Finished, MAX_ERROR_RAD, MAX_ROWS, PushError, Ranging, Segmenter,
@@ -131,7 +129,7 @@ proptest! {
     /// Along a column BA' = BA.
     #[test]
     fn mirrored(
-        rows in 1usize..12, columns in common::columns(), scene in 0usize..6, seed: u64, config in edge_configs(), z: bool,
+        rows in 1usize..12, columns in crate::common::columns(), scene in 0usize..6, seed: u64, config in edge_configs(), z: bool,
     ) {
         let axis = if z { TurnAxis::Z } else { TurnAxis::Y };
         let step_rad = 0.01f32;

@@ -1,4 +1,4 @@
-//! The plane segmenter on recorded scans, where they are: `cargo test --test recorded --
+//! The plane segmenter on recorded scans, where they are: `cargo test -p scanseg-tests recorded --
 //! --nocapture` prints the figures.
 
 use scanseg_core::{PlaneConfig, Ranging, Segment};

@@ -1,9 +1,7 @@
 //! The region-based segmenter: what the reference finds in the whole image, and what must hold of
 //! every scan.
 
-mod common;
-
-use common::{region_configs, scans};
+use crate::common::{region_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{PushError, Ranging, RegionConfig, RegionSegmenter, Segmenter, Status, TurnAxis, live_labels};
 use scanseg_tests::checks::regions::{assert_consistent, assert_same};
@@ -72,7 +70,7 @@ proptest! {
 
     /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.
     #[test]
-    fn any_bits(columns in common::columns(), rig in 0usize..7, seed: u64, config in region_configs()) {
+    fn any_bits(columns in crate::common::columns(), rig in 0usize..7, seed: u64, config in region_configs()) {
         let mut scan = scan_of(12, columns, rig, 0, seed);
         let bits = |row, column| f32::from_bits((uniform(seed ^ 9, row, column) * 4294967296.0) as u32);
         for (i, range_m) in scan.range_m.iter_mut().enumerate() {
@@ -160,6 +158,16 @@ fn ends_beside_the_scanner() {
     scan.range_m[27 * 28 + 13..][..2].fill(1e-40);
     let nearest = Ranging::new(0.28).with_limits(f32::MIN_POSITIVE / 1e6, 100.0);
     assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(nearest)).doubts > 0, "no doubt");
+}
+
+/// Returns at no distance at all between far ones: in single precision the squares of their chords are 0, and with them the
+/// noise that a turn must be beyond.
+#[test]
+fn turns_at_the_scanner() {
+    let rig = Rig::Nodding { angles: Angles::Even { start_rad: -0.2, step_rad: 0.1 }, axis: TurnAxis::Y };
+    let scan = Scan { columns: 5, range_m: vec![0.6, 1e-30, 0.6, 1e-30, 0.6], turn_rad: vec![0.0], rig };
+    let ranging = Ranging::new(0.4).with_limits(f32::MIN_POSITIVE, 100.0);
+    assert!(assert_same(&scan, &RegionConfig::paper().with_ranging(ranging)).doubts > 0, "no doubt");
 }
 
 /// Lines that touch, two pixels each, every line a region of its own: no image has more live

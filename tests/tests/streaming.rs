@@ -1,9 +1,7 @@
 //! The streaming segmenter finds what the reference finds in the whole image, given the same
 //! bearing angles.
 
-mod common;
-
-use common::{edge_configs, scans};
+use crate::common::{edge_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{EdgeConfig, Element, Trace, live_labels};
 use scanseg_tests::art::{Picture, canonical};

@@ -1,8 +1,6 @@
 //! The plane segmenter: what must hold of every scan.
 
-mod common;
-
-use common::{plane_configs, scans};
+use crate::common::{plane_configs, scans};
 use proptest::prelude::*;
 use scanseg_core::{
     Finished, PlaneConfig, PlaneSegmenter, PushError, Ranging, Segmenter, Status, TurnAxis, live_labels,
@@ -83,7 +81,7 @@ proptest! {
 
     /// Any bits as ranges and turn angles: no panic, and every row is taken or refused.
     #[test]
-    fn any_bits(columns in common::columns(), rig in 0usize..7, seed: u64, config in plane_configs(), wide: bool) {
+    fn any_bits(columns in crate::common::columns(), rig in 0usize..7, seed: u64, config in plane_configs(), wide: bool) {
         let ranging = if wide { config.ranging.with_limits(1e-6, 500.0) } else { config.ranging };
         let config = config.with_ranging(ranging);
         let mut scan = scan_of(12, columns, rig, 0, seed);

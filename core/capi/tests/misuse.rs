@@ -203,6 +203,9 @@ fn bad_fields_are_named() {
 #[test]
 fn rows_that_cannot_be_taken_change_nothing() {
     for approach in APPROACHES {
+        if cfg!(miri) && approach != SCANSEG_EDGE {
+            continue;
+        }
         let (mut one, mut other) = (Session::new(&nodding(approach)), Session::new(&nodding(approach)));
         for row in 0..ROWS {
             let ranges_m = room_m(row, COLUMNS, 0.01);
@@ -302,6 +305,9 @@ unsafe extern "C" fn reenter(user: *mut c_void, event: *const Event) -> i32 {
 #[test]
 fn a_callback_cannot_use_the_segmenter_and_may_stop() {
     for approach in APPROACHES {
+        if cfg!(miri) && approach != SCANSEG_EDGE {
+            continue;
+        }
         for answer in [0, 1] {
             let mut session = Session::new(&nodding(approach));
             for row in 0..ROWS {
@@ -325,6 +331,9 @@ fn a_callback_cannot_use_the_segmenter_and_may_stop() {
 #[test]
 fn events_that_do_not_fit_are_counted() {
     for approach in APPROACHES {
+        if cfg!(miri) && approach != SCANSEG_EDGE {
+            continue;
+        }
         let mut all = Session::new(&nodding(approach));
         let mut few = Session::new(&nodding(approach));
         for row in 0..ROWS {
@@ -349,6 +358,9 @@ fn events_that_do_not_fit_are_counted() {
 fn images_that_cannot_be_taken_are_refused() {
     let rows = 4;
     for beams in [SCANSEG_NODDING_Y, SCANSEG_PINHOLE] {
+        if cfg!(miri) && beams != SCANSEG_PINHOLE {
+            continue;
+        }
         let config = Config { beams, fx_px: 100.0, fy_px: 100.0, ..nodding(SCANSEG_PLANE) };
         let mut session = Session::new(&config);
         assert_eq!(session.push(&room_m(0, COLUMNS, 0.0), 0.0), SCANSEG_OK);

@@ -167,6 +167,9 @@ fn noise_as_the_core() {
 fn listed_columns_as_the_core() {
     let angles_rad: Vec<f32> = (0..COLUMNS).map(|i| 0.01 * i as f32 + 0.003 * (i as f32).sin() - 0.9).collect();
     for approach in APPROACHES {
+        if cfg!(miri) && approach != SCANSEG_EDGE {
+            continue;
+        }
         let mut copy = angles_rad.clone();
         let config =
             Config { column_angles_rad: copy.as_mut_ptr(), column_angle_count: COLUMNS as u32, ..nodding(approach) };
@@ -277,7 +280,7 @@ fn by_image(session: &Session, rows: &[Vec<f32>], room: usize) -> (Status, Vec<u
 fn an_image_is_its_rows() {
     let mut joined = 0;
     for (approach, noise, max_labels) in APPROACHES.into_iter().flat_map(|a| [(a, 0.02, 0), (a, 3.0, 0), (a, 0.5, 9)]) {
-        if cfg!(miri) && max_labels != 9 {
+        if cfg!(miri) && (approach, max_labels) != (SCANSEG_EDGE, 9) {
             continue;
         }
         let rows: Vec<_> = (0..ROWS).map(|row| room_m(row, COLUMNS, noise)).collect();

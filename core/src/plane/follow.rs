@@ -298,7 +298,7 @@ mod tests {
         let prices = Prices { off_plane: 10.0, left: 2.75, leave: 12.0, share: 0.5 };
         for rough in [2, 9, 30, 200] {
             let (mut one, mut all) = (prices.leave, prices.leave);
-            for _ in 0..100 {
+            for _ in 0..if cfg!(miri) { 10 } else { 100 } {
                 let width = CHUNK - if below(3) == 0 { below(CHUNK as u64) as usize } else { 0 };
                 let mut range_m = [0.0; CHUNK];
                 range_m[..width].fill_with(|| if below(8) == 0 { 0.0 } else { 2.0 });

@@ -18,6 +18,7 @@ mod rules;
 mod run_sums;
 mod scanline;
 mod segmenter;
+mod stretch;
 mod tried;
 mod turn;
 mod work;

@@ -60,6 +60,31 @@ pub(crate) const MOST_TOLD: f32 = 1000.0;
 /// Rows that are taken to have told nothing but what is expected.
 pub(crate) const PRIOR_ROWS: f32 = 4.0;
 
+/// Pixels of a run that are looked at for the share by which beam angles are too small.
+pub(crate) const STRETCH_SAMPLES: usize = 24;
+
+/// First rows that are looked at for it, each; then every fourth is.
+pub(crate) const STRETCH_ROWS: usize = 16;
+
+/// Least angle of a run that is looked at for it, radians: 11 deg. The bend of narrower ones is below the
+/// noise, and looking for it is work.
+pub(crate) const STRETCH_RAD: f32 = 0.2;
+
+/// Standard deviation of that share, as it is expected. A run that knows it worse says nothing, nor
+/// does one that tells three times as much: it is bent itself. Half of it finds the share of 3 % a
+/// few rows later.
+pub(crate) const STRETCH: f32 = 0.04;
+
+/// Standard deviation at which it is known well enough: walls of that direction are not looked at any
+/// more, which saves most of the work.
+pub(crate) const STRETCH_KNOWN: f32 = 1e-3;
+
+/// Least share that counts: walls seen with beams a third of a percent off are not torn.
+pub(crate) const STRETCH_LEAST: f32 = 0.003;
+
+/// Least change of it: planes are not changed for less.
+pub(crate) const STRETCH_CHANGE: f32 = 2e-4;
+
 /// The tuned numbers of [`PlaneSegmenter`](crate::PlaneSegmenter). They are the same for every
 /// scanner and scene; the noise of the ranges is a setting and stands in
 /// [`Ranging`](crate::Ranging).

@@ -9,6 +9,7 @@
 //!   areas and their planes grow by their runs            grower, run_sums, weighted, areas
 //!   lines in what follows no plane                       line
 //!   each line joins an area above it, or begins one      join
+//!   by what share beam angles are too small              stretch
 //!   neighbours join                                      neighbours, join, tried
 //!   pieces across what hides the rest join               borders, bridge
 //!   what the next row has above it                       carried
@@ -33,6 +34,7 @@ use crate::plane::neighbours::join_neighbours;
 use crate::plane::noise::{Spread, Variance};
 use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_TURN};
 use crate::plane::scanline::{Cached, Scanline};
+use crate::plane::stretch::{Stretch, seen};
 use crate::plane::tried::{Tried, tried_len};
 use crate::plane::turn::Turns;
 use crate::row::bits::{CHUNK, load, pack_where, words};
@@ -70,6 +72,7 @@ pub struct PlaneSegmenter<'a> {
     columns: usize,
     progress: Progress,
     turns: Turns,
+    stretch: Stretch,
     scratch: &'a mut [f32],
     /// Slots of this row and above it, cuts of a row, and slots of the first row.
     slots: &'a mut [u16],
@@ -126,6 +129,8 @@ impl Segmenter for PlaneSegmenter<'_> {
     fn reset(&mut self) {
         self.progress = Progress::default();
         self.turns = Turns::default();
+        self.stretch = Stretch::default();
+        self.fan.stretch(0.0);
         self.measured = Measured::NONE;
         self.slots.fill(NONE);
         self.bits.fill(0);
@@ -164,6 +169,7 @@ impl<'a> PlaneSegmenter<'a> {
             columns,
             progress,
             turns,
+            stretch: Stretch::default(),
             scratch,
             slots,
             first_rad: 0.0,
@@ -197,6 +203,19 @@ impl<'a> PlaneSegmenter<'a> {
     #[must_use]
     pub fn measured_noise_m(&self, range_m: f32) -> Option<f32> {
         self.measured.alone(range_m, &self.stated, self.config.rules).map(libm::sqrtf)
+    }
+
+    /// The share by which beam angles are too small, as the walls of this scan so far tell it; 0 where
+    /// they are right, or nothing tells. 0.01: a beam that is said to be 30 deg from the middle one is
+    /// 30.3 deg from it. From then on beams are taken to be there, and planes are those of the points
+    /// along such beams.
+    ///
+    /// Only the beams of [`Beams::Nodding`] that lie in the plane of their row tell it, and only walls of two
+    /// directions together, seen over 11 deg or more: one wall alone may be bent. Less than 0.003
+    /// does not count, and more than 0.12 is not found. The next scan begins with 0.
+    #[must_use]
+    pub fn beam_stretch(&self) -> f32 {
+        self.stretch.share
     }
 
     /// Joins across the seam of a full turn: areas of the first row go on with those of the last ones.
@@ -252,6 +271,7 @@ impl<'a> PlaneSegmenter<'a> {
         grower.extend(areas, slots);
         let unlabelled = grower.take_lines(areas, carried.slots, slots, free, cuts);
         let mut cached = grower.cached;
+        let stretched = self.stretch.look_at(&line, areas, slots, &mut cached);
 
         for (word, free) in free.iter_mut().enumerate().filter(|(_, free)| **free != 0) {
             let mut copy = [0; CHUNK];
@@ -276,6 +296,10 @@ impl<'a> PlaneSegmenter<'a> {
         areas.close(false, sink)?;
         let (slots, table) = (RowSlots::Pixels(slots), areas.table());
         sink.row(&LabelRow { row: beam.row, columns, returns, slots, table })?;
+        if let Some(more) = stretched {
+            areas.change_planes(|middle, fitted| seen(fitted, fan, middle, more));
+            fan.stretch(self.stretch.share);
+        }
         ControlFlow::Continue(unlabelled)
     }
 }

@@ -57,6 +57,10 @@ pub(crate) struct Fan<'a> {
     steps: [(f32, f32); STEPS],
     /// Cosines and sines of 0 to 7 column steps.
     base: ([f32; 8], [f32; 8]),
+    /// Share by which columns lie farther from the middle one than [`Beams`] says.
+    stretch: f32,
+    /// Angle of the middle, radians.
+    middle_rad: f32,
 }
 
 /// Enough for every column number.
@@ -68,14 +72,46 @@ pub(crate) type Lane = [f32; CHUNK];
 impl<'a> Fan<'a> {
     pub fn new(beams: Beams<'a>, columns: usize) -> Result<Fan<'a>, ConfigError> {
         beams.check(columns)?;
-        let (start_rad, step_rad) = match beams {
+        let middle_rad = match beams {
+            Beams::Nodding { columns: angles, .. } => 0.5 * (angles.rad(0) + angles.rad(columns - 1)),
+            _ => 0.0,
+        };
+        let (steps, base) = ([(1.0, 0.0); STEPS], ([1.0; 8], [0.0; 8]));
+        let mut fan = Fan { beams, start: (1.0, 0.0), steps, base, stretch: 0.0, middle_rad };
+        fan.stretch(0.0);
+        Ok(fan)
+    }
+
+    /// Columns lie farther from the middle one than [`Beams`] says, by this share.
+    pub fn stretch(&mut self, share: f32) {
+        let (start_rad, step_rad) = match self.beams {
             Beams::Nodding { columns: Columns::Even { start_rad, step_rad }, .. }
             | Beams::Spinning { columns: Columns::Even { start_rad, step_rad }, .. } => (start_rad, step_rad),
             _ => (0.0, 0.0),
         };
-        let steps = core::array::from_fn(|i| cos_sin(step_rad * (1 << i) as f32));
+        self.stretch = share;
+        self.start = cos_sin(self.stretched(start_rad));
+        let step_rad = step_rad + share * step_rad;
+        self.steps = core::array::from_fn(|i| cos_sin(step_rad * (1 << i) as f32));
         let base: [_; 8] = core::array::from_fn(|i| cos_sin(step_rad * i as f32));
-        Ok(Fan { beams, start: cos_sin(start_rad), steps, base: (base.map(|b| b.0), base.map(|b| b.1)) })
+        self.base = (base.map(|b| b.0), base.map(|b| b.1));
+    }
+
+    fn stretched(&self, angle_rad: f32) -> f32 {
+        angle_rad + self.stretch * (angle_rad - self.middle_rad)
+    }
+
+    /// Angle of a column, radians; 0 where columns have none.
+    pub fn column_rad(&self, column: usize) -> f32 {
+        match &self.beams {
+            Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => self.stretched(columns.rad(column)),
+            _ => 0.0,
+        }
+    }
+
+    /// Angle of the middle of a turning scanner's columns, radians.
+    pub fn middle_rad(&self) -> f32 {
+        self.middle_rad
     }
 
     /// Whether the last column neighbours the first.
@@ -124,7 +160,7 @@ impl<'a> Fan<'a> {
                 add(first, (self.base.0[i % 8], self.base.1[i % 8]))
             }
             Beams::Nodding { columns, .. } | Beams::Spinning { columns, .. } => {
-                columns.listed().get(column).map_or((1.0, 0.0), |&angle_rad| cos_sin(angle_rad))
+                columns.listed().get(column).map_or((1.0, 0.0), |&angle_rad| cos_sin(self.stretched(angle_rad)))
             }
             &Beams::Pinhole { fx_px, cx_px, .. } => pinhole(fx_px, cx_px, frame.p[2], column),
             Beams::Free { .. } => (1.0, 0.0),
@@ -149,7 +185,7 @@ impl<'a> Fan<'a> {
             Columns::Listed(list) | Columns::Beside { angles_rad: list, .. } => {
                 for i in 0..CHUNK {
                     let angle = from.checked_add_unsigned(i).and_then(|c| list.get(usize::try_from(c).ok()?));
-                    (cos[i], sin[i]) = angle.map_or((1.0, 0.0), |&a| cos_sin(a));
+                    (cos[i], sin[i]) = angle.map_or((1.0, 0.0), |&a| cos_sin(self.stretched(a)));
                 }
             }
         }

@@ -73,6 +73,8 @@ fn lines() -> Vec<Line> {
         Line::new("turns 0.3 deg off, unsaid", off),
         Line { said: |r| r.with_turn_noise_rad(0.3 * RADIAN), ..Line::new("turns 0.3 deg off, stated", off) },
         Line::new("bearings times 1.01", Trouble::BearingScale(1.01)),
+        Line::new("bearings times 1.03", Trouble::BearingScale(1.03)),
+        Line::new("bearings times 0.98", Trouble::BearingScale(0.98)),
         Line::new("turns times 1.03", Trouble::TurnScale(1.03)),
         Line::missing("every second column missing", Missing::Columns),
         Line::missing("every second row missing", Missing::Rows),

@@ -43,8 +43,21 @@ pub fn of_result(
     {
         warnings.push(assumed(name, counted_m));
     }
+    warnings.extend(stretched_beams(name, segmentation.beam_stretch));
     warnings.extend(unlabelled_pixels(name, unlabelled, enough_labels(config.approach(), columns), max_labels));
     warnings
+}
+
+/// Returns what to say where walls tell that the beam angles are off in scale.
+fn stretched_beams(name: &str, share: f32) -> Option<String> {
+    let (percent, factor) = (100.0 * share.abs(), 1.0 + share);
+    let how = if share > 0.0 { "farther apart" } else { "nearer to each other" };
+    (share != 0.0).then(|| {
+        format!(
+            "{name}: walls of several directions are bent as if beams lay {percent:.1} % {how} than beam_deg says, and are \
+             taken so: check it (times {factor:.3} from its middle on would be right)"
+        )
+    })
 }
 
 /// Returns what to say of pixels that got no label.

@@ -37,6 +37,9 @@ pub struct Segmentation {
     /// The noise of the ranges at the end of the scan; none by edges and by regions, which take
     /// what is stated, and without a return.
     pub noise: Option<FoundNoise>,
+    /// The share by which the beam angles of a turning scanner were found to be too small; 0 where they are right: see
+    /// [`scanseg_core::PlaneSegmenter::beam_stretch`]. Planes are those along the beams so found.
+    pub beam_stretch: f32,
     /// The time that the core took for all rows, without that of collecting what it found.
     pub core_time: Duration,
 }
@@ -69,9 +72,9 @@ impl Segmentation {
             row_done();
         }
         let noise = FoundNoise::of(&segmenter, &scan.range_m, &config.ranging());
-        let range_noise_m = match &segmenter {
-            AnySegmenter::Plane(planes) => planes.range_noises_m(&scan.range_m).collect(),
-            AnySegmenter::Edge(_) | AnySegmenter::Region(_) => vec![],
+        let (range_noise_m, beam_stretch) = match &segmenter {
+            AnySegmenter::Plane(planes) => (planes.range_noises_m(&scan.range_m).collect(), planes.beam_stretch()),
+            AnySegmenter::Edge(_) | AnySegmenter::Region(_) => (vec![], 0.0),
         };
         let finishing = Instant::now();
         let unlabelled = match segmenter.finish(&mut apart) {
@@ -91,6 +94,7 @@ impl Segmentation {
             unlabelled,
             range_noise_m,
             noise,
+            beam_stretch,
             core_time,
         })
     }

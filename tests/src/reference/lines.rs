@@ -25,6 +25,9 @@ pub struct Thresholds {
 /// its neighbours.
 pub const TURN_SIGMAS: f64 = 1.75;
 
+/// The square of a smaller product of two lengths is below all digits of single precision, m^2.
+pub const LEAST_M2: f64 = 1e-17;
+
 /// A line: columns `start..end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
@@ -72,7 +75,9 @@ fn turn(points: [Vector3<f64>; 3], thresholds: &Thresholds, doubt: &mut Doubt) -
     let margin = cancelled * TURN_SIGMAS * sigma + 3e-6 * before_m.max(here_m).max(after_m) * (a.norm() + b.norm());
     let beyond = Answer::above(off, TURN_SIGMAS * sigma, margin);
     let no_noise = thresholds.range_noise_m == 0.0;
-    let turns = doubt.decide(if no_noise { turned } else { turned.and(beyond) });
+    let turns = if no_noise { turned } else { turned.and(beyond) };
+    let digits = across_m * here_m >= LEAST_M2;
+    let turns = doubt.decide(Answer { sure: turns.sure && digits, ..turns });
     Turn { turns, sharpness: 1.0 - angle_rad.cos(), error_rad, across_m: across_m / 2.0 }
 }
 

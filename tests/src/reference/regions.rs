@@ -6,7 +6,7 @@ use super::Image;
 use super::beams::Beams;
 use super::doubt::{Answer, Doubt};
 use super::labels::Class;
-use super::lines::{Line, RowLines, Thresholds, points, row_lines};
+use super::lines::{LEAST_M2, Line, RowLines, Thresholds, points, row_lines};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Points are kept as whole multiples of this, metres.
@@ -14,9 +14,6 @@ const UNIT_M: f64 = 1.0 / 4096.0;
 
 /// Standard deviations that an end point may be off.
 const DISTANCE_SIGMAS: f64 = 4.0;
-
-/// The squares of nearer points are below all digits of single precision, metres.
-const NEAREST_M: f64 = 1e-15;
 
 /// A way steeper than this against the beam is a step: the cotangent of 3 degrees.
 const GRAZING_COT: f64 = 19.1;
@@ -97,7 +94,7 @@ impl Grower<'_> {
             tilt.min(2.0) * (lever.dot(&plane.vectors[axis]).abs() + DISTANCE_SIGMAS * self.thresholds.range_noise_m)
         };
         let margin = 1e-6 * point.norm() + 0.8 * UNIT_M / plane.points.sqrt() + tilted(1) + tilted(2);
-        !Answer::above(distance_m, tolerance_m, 2.0 * margin)
+        !Answer::above(distance_m, tolerance_m, 4.0 * margin)
     }
 
     /// Whether the way from a region without a plane to a point is a step.
@@ -124,7 +121,7 @@ impl Grower<'_> {
             let both = axes(&[self.regions[region].as_slice(), line].concat());
             ends.map(|end| self.near(&both, &end).and(!self.is_step(&own, &end)))
         };
-        let digits = ends.iter().all(|end| end.norm() >= NEAREST_M);
+        let digits = ends.iter().all(|end| end.norm_squared() >= LEAST_M2);
         let takes = first.and(last);
         let takes = self.doubt.decide(Answer { sure: takes.sure && digits, ..takes });
         takes.then_some((planar, self.regions[region].len()))

@@ -1,5 +1,4 @@
 //! Scans and configurations of all kinds, as proptest strategies.
-#![allow(dead_code)] // each test uses some of it
 
 use proptest::prelude::*;
 use scanseg_core::{EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};

@@ -1,0 +1,19 @@
+//! The tests of this folder, but those of recordings of ROS 2, in one program: what they share is built once.
+
+mod command;
+mod command_noise;
+mod command_recorded;
+mod command_streams;
+mod command_warnings;
+mod experiment;
+mod live;
+mod lms_telegrams;
+mod office;
+mod pages;
+mod pictures;
+mod program;
+mod recorded;
+mod recovery;
+mod rig_command;
+mod rules;
+mod troubles;
