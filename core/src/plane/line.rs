@@ -57,7 +57,7 @@ impl Cuts {
             let key = key(self.cost[i] + self.squares[i], last);
             worst = if key > worst { key } else { worst };
         }
-        let i = CANDIDATE_CUTS - 1 - place(worst);
+        let i = (CANDIDATE_CUTS - 1 - place(worst)) % CANDIDATE_CUTS;
         self.column[i] = column as u32;
         (self.cost[i], self.cos[i], self.sin[i]) = (cost, pixel.cos, pixel.sin);
         // beams of a pinhole are no unit vectors within their row
@@ -115,6 +115,7 @@ impl Cuts {
             }
             self.cost[i] + (rules.line_price + self.squares[i])
         });
+        let newest = newest % CANDIDATE_CUTS;
         totals[newest] = self.cost[newest] + rules.lone_price;
         let mut best = u64::MAX;
         for (i, &total) in totals.iter().enumerate() {

@@ -25,9 +25,6 @@ const LANES: usize = 8;
 
 type Eight = [f32; LANES];
 
-/// Elements of the scatter of [`Sums`].
-const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
-
 /// The number of each pixel of a chunk.
 const NUMBERS: [f32; CHUNK] = {
     let mut numbers = [0.0; CHUNK];
@@ -114,8 +111,12 @@ impl Weighing {
             self.add(first, i, last, lanes, &mut sums);
             at = end;
         }
-        let plain = core::array::from_fn(|i| total(&sums.plain[i]));
-        (plain, if self.beside { core::array::from_fn(|i| total(&sums.beside[i])) } else { [0.0; 5] })
+        let (mut plain, mut beside) = ([0.0; 10], [0.0; 5]);
+        plain.iter_mut().zip(&sums.plain).for_each(|(to, lanes)| *to = total(lanes));
+        if self.beside {
+            beside.iter_mut().zip(&sums.beside).for_each(|(to, lanes)| *to = total(lanes));
+        }
+        (plain, beside)
     }
 
     /// Adds the returns of a chunk from number `from` up to `to`.
@@ -221,6 +222,12 @@ fn total(l: &Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
+/// The elements of the scatter of [`Sums`] in their order.
+#[inline(always)]
+fn pairs(of: impl Fn(usize, usize) -> f32) -> [f32; 6] {
+    [of(0, 0), of(1, 1), of(2, 2), of(0, 1), of(0, 2), of(1, 2)]
+}
+
 /// The sums without what all pixels of a row share: its turn, or the offset of its ring. The error
 /// of a pixel changes with it by `slope[0]`, and by `slope[1]` more for each 1 of c. `variance` is
 /// that of what is shared.
@@ -289,13 +296,13 @@ impl Scanline<'_> {
         let (ec, es, et) = (ec - e * mc, es - e * ms, et - e * mt);
         let Frame { p, q, r, t, plain, .. } = self.frame;
         let (fc, fs, ft) = (middle.cos + mc, middle.sin + ms, middle.beside + mt);
-        let both = |a: [f32; 3], b: [f32; 3], [i, j]: [usize; 2]| a[i] * b[j] + b[i] * a[j];
-        let mut scatter = PAIRS.map(|ij @ [i, j]| cc * p[i] * p[j] + cs * both(p, q, ij) + ss * q[i] * q[j]);
-        if !plain {
-            for (sum, ij @ [i, j]) in scatter.iter_mut().zip(PAIRS) {
-                *sum = *sum + ct * both(p, t, ij) + st * both(q, t, ij) + tt * t[i] * t[j];
-            }
-        }
+        let both = |a: [f32; 3], b: [f32; 3], i: usize, j: usize| a[i] * b[j] + b[i] * a[j];
+        let along = |i: usize, j: usize| cc * p[i] * p[j] + cs * both(p, q, i, j) + ss * q[i] * q[j];
+        let scatter = if plain {
+            pairs(along)
+        } else {
+            pairs(|i, j| along(i, j) + ct * both(p, t, i, j) + st * both(q, t, i, j) + tt * t[i] * t[j])
+        };
         let c = [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + ft * t[i] + r[i]);
         let sums = Sums { w, all, c, s: scatter };
         (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i] + et * t[i]), squares: ee })
