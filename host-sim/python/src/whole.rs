@@ -79,6 +79,7 @@ struct Found {
     outlines: Vec<Option<Outline>>,
     edges: Vec<bool>,
     noise: Option<FoundNoise>,
+    beam_stretch: f32,
     unlabelled: u32,
 }
 
@@ -152,13 +153,13 @@ impl Found {
         let range_noise_m = if states_noise(&geometry) { vec![] } else { segmentation.range_noise_m };
         let scan = SegmentedScan { image, geometry, ranging, range_noise_m, labels, segments };
         let (planarities, outlines) = (planarities_of(&scan.segmented()), outlines_of(&scan.segmented()));
-        let Segmentation { closed_edges: edges, noise, unlabelled, .. } = segmentation;
-        Ok(Found { scan, planarities, outlines, edges, noise, unlabelled })
+        let Segmentation { closed_edges: edges, noise, beam_stretch, unlabelled, .. } = segmentation;
+        Ok(Found { scan, planarities, outlines, edges, noise, beam_stretch, unlabelled })
     }
 
     /// Returns what `Result` in `python/scanseg` has.
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let Found { scan, planarities, outlines, edges, noise, unlabelled } = self;
+        let Found { scan, planarities, outlines, edges, noise, beam_stretch, unlabelled } = self;
         let (listed, shape) = (scan.segments.len(), [scan.image.rows, scan.image.columns]);
         let columns = segments::columns(py, &scan.segments)?;
         columns.set_item("label", (1..=listed as u32).collect::<Vec<_>>().into_pyarray(py))?;
@@ -182,6 +183,7 @@ impl Found {
         dict.set_item("ranges", scan.image.range_m.clone().into_pyarray(py).reshape(shape)?)?;
         dict.set_item("noise_m", noise.map(|noise| noise.counted_m))?;
         dict.set_item("noise_range_m", noise.map(|noise| noise.range_m))?;
+        dict.set_item("beam_stretch", beam_stretch)?;
         dict.set_item("unlabelled", unlabelled)?;
         dict.set_item("beams", Bound::new(py, Beams::of_ranges(scan.geometry.clone()))?)?;
         dict.set_item("files", Bound::new(py, scan)?)?;

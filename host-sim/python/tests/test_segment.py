@@ -100,6 +100,19 @@ def test_noise_is_measured_or_stated(room):
     assert len(sensor.segments) == 3 and "range_noise_m" in sensor.beams.to_toml()
 
 
+def test_beams_that_are_off_in_scale_are_found():
+    beam_deg, turn_deg = np.linspace(-80, 80, 321), np.linspace(-20, 40, 121)
+    beam, turn = np.radians(beam_deg)[None, :], np.radians(turn_deg)[:, None]
+    forward = np.cos(beam) * np.cos(turn)
+    # a wall ahead, 3 m away, one 2 m to the left, and one 2 m to the right
+    with np.errstate(divide="ignore"):
+        ranges = np.minimum(3 / forward, 2 / np.abs(np.sin(beam)))
+    for factor in (1.0, 1.02, 0.98):
+        found = scanseg.segment(ranges, scanseg.Beams.nodding(beam_deg / factor, turn_deg), noise=0.005).beam_stretch
+        assert found == pytest.approx(factor - 1, abs=2e-3)
+        assert factor != 1 or found == 0
+
+
 @pytest.mark.parametrize(
     ("number", "call"),
     [

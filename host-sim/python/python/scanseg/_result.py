@@ -82,6 +82,10 @@ class Result:
         and that measured. None by edges and regions, which take what is stated.
     noise_range_m : float or None
         The median range, metres.
+    beam_stretch : float
+        The share by which the beam angles of a tilting or panning scanner were found to be too small: 0.01
+        where a beam said to be 30 deg from the middle is 30.3 deg from it. The planes are those along the
+        beams so found. 0 where they are right, or nothing tells.
     unlabelled : int
         Pixels that got no label for want of room.
     beams : Beams
@@ -95,6 +99,7 @@ class Result:
     polygons: list[NDArray[np.float64]]
     noise_m: float | None
     noise_range_m: float | None
+    beam_stretch: float
     unlabelled: int
     beams: Beams
     _files: SegmentedScan | None = field(repr=False, compare=False)
