@@ -253,8 +253,9 @@ mod tests {
     fn planes_change_as_their_beams() {
         let start_rad = -1.4;
         let columns = Columns::Even { start_rad, step_rad: 2.8 / (COLUMNS - 1) as f32 };
-        for (axis, m) in [(TurnAxis::Y, [0.4, 0.0, 0.3]), (TurnAxis::Z, [0.4, 0.3, 0.0])] {
-            for (columns_of, aside) in [(120..150, 0.4), (25..55, -0.3), (75..110, 0.1)] {
+        let few = if cfg!(miri) { 1 } else { 3 };
+        for (axis, m) in [(TurnAxis::Y, [0.4, 0.0, 0.3]), (TurnAxis::Z, [0.4, 0.3, 0.0])].into_iter().take(few) {
+            for (columns_of, aside) in [(120..150, 0.4), (25..55, -0.3), (75..110, 0.1)].into_iter().take(few) {
                 let said = Fan::new(Beams::Nodding { columns, axis }, COLUMNS).unwrap();
                 let (mut right, share) = (said, 0.02);
                 right.stretch(share);
