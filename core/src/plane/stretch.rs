@@ -109,7 +109,7 @@ impl Told {
         let middle = (run.start + run.end) / 2;
         let (middle_rad, here) = (line.fan.column_rad(middle), cached.lone(line, middle));
         let mut samples = [Sample::NONE; STRETCH_SAMPLES];
-        let columns = run.clone().step_by(run.len().div_ceil(STRETCH_SAMPLES));
+        let columns = run.clone().step_by(run.len().div_ceil(STRETCH_SAMPLES).max(1));
         count(columns.len());
         for (sample, column) in samples.iter_mut().zip(columns) {
             let pixel = cached.lone(line, column);
