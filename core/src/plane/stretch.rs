@@ -105,11 +105,12 @@ impl Line {
 
 impl Told {
     /// Takes what a run tells, along beams to which the share so far is given.
+    #[inline(never)] // its samples leave the stack
     fn add(&mut self, line: &Scanline, run: Range<usize>, so_far: f32, cached: &mut Cached) {
         let middle = (run.start + run.end) / 2;
         let (middle_rad, here) = (line.fan.column_rad(middle), cached.lone(line, middle));
         let mut samples = [Sample::NONE; STRETCH_SAMPLES];
-        let columns = run.clone().step_by(run.len().div_ceil(STRETCH_SAMPLES));
+        let columns = run.clone().step_by(run.len().div_ceil(STRETCH_SAMPLES).max(1));
         count(columns.len());
         for (sample, column) in samples.iter_mut().zip(columns) {
             let pixel = cached.lone(line, column);

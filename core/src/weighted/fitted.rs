@@ -77,8 +77,8 @@ impl Fitted {
     pub(crate) fn seen_along(&self, of: impl Fn([f32; 3]) -> [f32; 3], to: impl Fn([f32; 3]) -> [f32; 3]) -> Fitted {
         let moved = |u| plus(u, 1.0, of(u));
         let [xx, yy, zz, xy, xz, yz] = self.sums.s;
-        let half = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(moved);
-        let [x, y, z] = [0, 1, 2].map(|i| moved(half.map(|row| row[i])));
+        let [a, b, c] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(moved);
+        let [x, y, z] = [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]].map(moved);
         let s = [x[0], y[1], z[2], x[1], x[2], y[2]];
         let sums = Sums { c: moved(self.sums.c), s, ..self.sums };
         Fitted { sums, m: less(self.m, to(self.m)), ..*self }
