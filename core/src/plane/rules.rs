@@ -135,7 +135,8 @@ pub struct Rules {
     /// Excess over the noise at which an area still lies near a plane: scanners with less noise
     /// than they are said to have bend their ranges.
     pub bent: f32,
-    /// Variances of the turn angle by which a surface may be bent.
+    /// Variances of the turn angle by which a surface may be bent. Half as many find two points more where
+    /// turns are off, and tear the walls of the recorded corridors (0.88 to 0.85).
     pub wobble: f32,
     /// Most of that, in units of the noise.
     pub most_wobble: f32,
