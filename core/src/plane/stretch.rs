@@ -181,6 +181,7 @@ impl Stretch {
 
 /// A plane as it is along beams that lie farther from the middle column by a share of that. `column`:
 /// the middle of its columns.
+#[inline(never)]
 pub(crate) fn seen(fitted: &Fitted, fan: &Fan, column: usize, share: f32) -> Fitted {
     let (angle_rad, middle_rad) = (fan.column_rad(column), fan.middle_rad());
     let (cos, sin) = cos_sin(angle_rad);
@@ -198,15 +199,11 @@ pub(crate) fn seen(fitted: &Fitted, fan: &Fan, column: usize, share: f32) -> Fit
     let by = share * (angle_rad - middle_rad);
     let turned = plus(along.map(|x| share * x), -by, beam);
     let nearer = if cos.abs() > 0.1 { -by * sin / cos } else { 0.0 };
-    let of = |u| {
-        let sum = plus(along.map(|x| by * dot(u, beam) * x), dot(u, along), turned);
-        plus(sum, nearer * dot(u, across), across)
-    };
-    let transposed = |m| {
-        let sum = plus(beam.map(|x| by * dot(m, along) * x), dot(m, turned), along);
-        plus(sum, nearer * dot(m, across), across)
-    };
-    fitted.seen_along(of, transposed)
+    let change = [0, 1, 2].map(|i| {
+        let row = plus(beam.map(|x| by * along[i] * x), turned[i], along);
+        plus(row, nearer * across[i], across)
+    });
+    fitted.seen_along(&change)
 }
 
 #[cfg(test)]

@@ -43,6 +43,12 @@ fn prior(q: f32, tan: f32) -> f32 {
     1.0 / (slope * slope + 1e-12)
 }
 
+/// u + J u, where J has these rows.
+#[inline(never)]
+fn moved(rows: &[[f32; 3]; 3], u: [f32; 3]) -> [f32; 3] {
+    plus(u, 1.0, rows.map(|row| dot(row, u)))
+}
+
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
@@ -72,16 +78,16 @@ impl Fitted {
         [w, all, cx, cy, cz, xx, yy, zz, xy, xz, yz, mx, my, mz, self.squares]
     }
 
-    /// The same points seen along other beams, u + J u instead of u: `of` is J u, `to` the transpose of
-    /// J times m. Both are small.
-    pub(crate) fn seen_along(&self, of: impl Fn([f32; 3]) -> [f32; 3], to: impl Fn([f32; 3]) -> [f32; 3]) -> Fitted {
-        let moved = |u| plus(u, 1.0, of(u));
+    /// The same points seen along other beams: u + J u instead of u, where J has these rows and is small.
+    pub(crate) fn seen_along(&self, change: &[[f32; 3]; 3]) -> Fitted {
+        let [p, q, r] = *change;
         let [xx, yy, zz, xy, xz, yz] = self.sums.s;
-        let [a, b, c] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(moved);
-        let [x, y, z] = [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]].map(moved);
+        let [a, b, c] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|u| moved(change, u));
+        let [x, y, z] = [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]].map(|u| moved(change, u));
         let s = [x[0], y[1], z[2], x[1], x[2], y[2]];
-        let sums = Sums { c: moved(self.sums.c), s, ..self.sums };
-        Fitted { sums, m: less(self.m, to(self.m)), ..*self }
+        let sums = Sums { c: moved(change, self.sums.c), s, ..self.sums };
+        let m = plus(plus(plus(self.m, -self.m[0], p), -self.m[1], q), -self.m[2], r);
+        Fitted { sums, m, ..*self }
     }
 
     /// The plane of a line or other first points; their errors are against the plane m.
