@@ -250,7 +250,6 @@ impl Best {
         let steep = dot(plane, plane);
         let most_turn = rules.most_turn;
         let (turn_rad2, ring_m2) = if line.fan.spins() { (0.0, left2) } else { (left2, 0.0) };
-        let offset_m = line.offset_m;
         let least = |a: f32, b: f32| if below(a, b) { a } else { b };
         let errors = part_mut(&mut self.errors, pixels.clone());
         let slots = part_mut(&mut self.slots, pixels.clone());
@@ -259,7 +258,6 @@ impl Best {
         let beams = range_m.iter().zip(cos).zip(sin).zip(beside);
         for ((known, best), (((&range_m, &cos), &sin), &beside)) in errors.iter_mut().zip(slots).zip(beams) {
             // p . m, and how the range error changes with the turn angle
-            let range_m = range_m - offset_m;
             let q = range_m * (cos * a_now + sin * b + beside * turned + k);
             let error_m = range_m * (q - 1.0);
             let square_m2 = range_m * range_m;

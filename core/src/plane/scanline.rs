@@ -27,8 +27,8 @@ pub(crate) struct Scanline<'a> {
     /// The row was turned by this more than was reported, radians. Planes are followed where they
     /// then are, and the sums forgive as much.
     pub turned_rad: f32,
-    /// Ranges are too large by this, metres: the offset of the ring of a spinning scanner. As with
-    /// the turn.
+    /// Ranges are too large by this, metres: the offset of the ring of a spinning scanner. It is taken
+    /// off them.
     pub offset_m: f32,
     /// Variance of what all pixels of the row are off by alike: rad^2 of its turn, m^2 of the offset
     /// of its ring. To begin with what is stated, then with what the scan tells.
@@ -66,12 +66,29 @@ impl Scanline<'_> {
             lanes.range_m.fill(0.0);
             lanes.range_m.iter_mut().zip(row).for_each(|(to, &range_m)| *to = self.known(range_m));
         }
+        if self.offset_m != 0.0 {
+            self.take_off(lanes);
+        }
         self.fan.lanes(&self.frame, from, lanes);
     }
 
-    /// The range of a return, 0 for none.
+    /// The range of a return as it was measured, 0 for none.
     pub fn range_m(&self, column: usize) -> f32 {
         self.known(at(self.ranges_m, column))
+    }
+
+    /// A range less the offset of its ring; nearer ones than twice that are left alone.
+    fn right(&self, range_m: f32) -> f32 {
+        let is_off = self.offset_m != 0.0 && range_m > 2.0 * self.offset_m.abs();
+        if is_off { range_m - self.offset_m } else { range_m }
+    }
+
+    /// The same of a chunk. Apart, since few scanners need it.
+    #[inline(never)]
+    fn take_off(&self, lanes: &mut Lanes) {
+        for range_m in &mut lanes.range_m {
+            *range_m = self.right(*range_m);
+        }
     }
 
     /// A range as it is reckoned with, 0 for no return.
@@ -147,6 +164,6 @@ impl Cached {
         } else {
             row.fan.row_beam(&row.frame, column)
         };
-        At { cos, sin, beside: 0.0, range_m: row.range_m(column) }
+        At { cos, sin, beside: 0.0, range_m: row.right(row.range_m(column)) }
     }
 }

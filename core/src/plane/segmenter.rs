@@ -32,7 +32,7 @@ use crate::plane::grower::Grower;
 use crate::plane::measure::Measured;
 use crate::plane::neighbours::join_neighbours;
 use crate::plane::noise::{Spread, Variance};
-use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_TURN};
+use crate::plane::rules::{LAST_BRIDGES, LEAST_BRIDGES, LEFT_OF_RING, LEFT_OF_TURN};
 use crate::plane::scanline::{Cached, Scanline};
 use crate::plane::stretch::{Stretch, seen};
 use crate::plane::tried::{Tried, tried_len};
@@ -261,8 +261,10 @@ impl<'a> PlaneSegmenter<'a> {
             }
         }
         let told2 = turns.told2(fan, rules);
-        let left2 = line.off2 + LEFT_OF_TURN * told2;
-        line.off2 += told2;
+        let left = if line.offset_m != 0.0 { LEFT_OF_RING } else { LEFT_OF_TURN };
+        let left2 = line.off2 + left * told2;
+        // a turn stays in the sums, an offset is taken off
+        line.off2 += if line.offset_m != 0.0 { left * told2 } else { told2 };
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
