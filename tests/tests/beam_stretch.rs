@@ -22,17 +22,21 @@ fn seen(kind: Kind, scale: f32, distances_m: [f64; 6], seed: u64) -> (Scan, Vec<
 const DISTANCES_M: [[f64; 6]; 3] =
     [[3.0, 2.0, 2.5, 1.5, 1.2, 1.0], [2.0, 4.0, 1.5, 2.5, 1.0, 1.4], [5.0, 1.0, 3.0, 3.5, 1.5, 1.3]];
 
-/// What the segmenter says at the end of a scan.
+/// What the segmenter says at the end of a scan, and once more of the same scan.
 fn told(scan: &Scan) -> f32 {
     let config = PlaneConfig::new(Ranging::new(NOISE_M as f32));
     let mut room = Room::new(scan.columns, config, live_labels(scan.columns));
     let mut segmenter = PlaneSegmenter::new(config, scan.beams(), scan.columns, room.memory()).unwrap();
-    for (row, &turn_rad) in scan.turn_rad.iter().enumerate() {
-        segmenter.push_row(scan.row_m(row), turn_rad, &mut Record::default()).unwrap();
-    }
-    let share = segmenter.beam_stretch();
-    segmenter.finish(&mut Record::default());
-    assert_eq!(segmenter.beam_stretch(), 0.0, "of the next scan");
+    let [share, again] = [(); 2].map(|()| {
+        for (row, &turn_rad) in scan.turn_rad.iter().enumerate() {
+            segmenter.push_row(scan.row_m(row), turn_rad, &mut Record::default()).unwrap();
+        }
+        let share = segmenter.beam_stretch();
+        segmenter.finish(&mut Record::default());
+        assert_eq!(segmenter.beam_stretch(), 0.0, "of the next scan");
+        share
+    });
+    assert_eq!(share, again, "of a scan like the last one");
     share
 }
 

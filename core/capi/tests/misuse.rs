@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 
 use scanseg_capi::*;
 use scanseg_capi_tests::{
-    APPROACHES, COLUMNS, ROWS, Session, bad_field, defaults, nodding, output, room_m, state_size,
+    ANY_APPROACH, APPROACHES, COLUMNS, ROWS, Session, bad_field, defaults, nodding, output, room_m, state_size,
 };
 
 /// The same pointer, not aligned.
@@ -202,10 +202,7 @@ fn bad_fields_are_named() {
 
 #[test]
 fn rows_that_cannot_be_taken_change_nothing() {
-    for approach in APPROACHES {
-        if cfg!(miri) && approach != SCANSEG_EDGE {
-            continue;
-        }
+    for &approach in ANY_APPROACH {
         let (mut one, mut other) = (Session::new(&nodding(approach)), Session::new(&nodding(approach)));
         for row in 0..ROWS {
             let ranges_m = room_m(row, COLUMNS, 0.01);
@@ -304,10 +301,7 @@ unsafe extern "C" fn reenter(user: *mut c_void, event: *const Event) -> i32 {
 
 #[test]
 fn a_callback_cannot_use_the_segmenter_and_may_stop() {
-    for approach in APPROACHES {
-        if cfg!(miri) && approach != SCANSEG_EDGE {
-            continue;
-        }
+    for &approach in ANY_APPROACH {
         for answer in [0, 1] {
             let mut session = Session::new(&nodding(approach));
             for row in 0..ROWS {
@@ -330,10 +324,7 @@ fn a_callback_cannot_use_the_segmenter_and_may_stop() {
 
 #[test]
 fn events_that_do_not_fit_are_counted() {
-    for approach in APPROACHES {
-        if cfg!(miri) && approach != SCANSEG_EDGE {
-            continue;
-        }
+    for &approach in ANY_APPROACH {
         let mut all = Session::new(&nodding(approach));
         let mut few = Session::new(&nodding(approach));
         for row in 0..ROWS {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::ptr::null;
 
 use scanseg_capi::*;
-use scanseg_capi_tests::{APPROACHES, COLUMNS, ROWS, Session, nodding, output, room_m, state_size};
+use scanseg_capi_tests::{ANY_APPROACH, APPROACHES, COLUMNS, ROWS, Session, nodding, output, room_m, state_size};
 use scanseg_core::{
     AnyConfig, AnySegmenter, Area, Beams, Columns, EdgeConfig, Finished, Join, LabelRow, Memory, Pixel, PlaneConfig,
     Ranging, RegionConfig, Segment, Segmenter, Sink, TurnAxis,
@@ -166,10 +166,7 @@ fn noise_as_the_core() {
 #[test]
 fn listed_columns_as_the_core() {
     let angles_rad: Vec<f32> = (0..COLUMNS).map(|i| 0.01 * i as f32 + 0.003 * (i as f32).sin() - 0.9).collect();
-    for approach in APPROACHES {
-        if cfg!(miri) && approach != SCANSEG_EDGE {
-            continue;
-        }
+    for &approach in ANY_APPROACH {
         let mut copy = angles_rad.clone();
         let config =
             Config { column_angles_rad: copy.as_mut_ptr(), column_angle_count: COLUMNS as u32, ..nodding(approach) };

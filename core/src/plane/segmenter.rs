@@ -129,8 +129,9 @@ impl Segmenter for PlaneSegmenter<'_> {
     fn reset(&mut self) {
         self.progress = Progress::default();
         self.turns = Turns::default();
-        self.stretch = Stretch::default();
-        self.fan.stretch(0.0);
+        if core::mem::take(&mut self.stretch).share != 0.0 {
+            self.fan.stretch(0.0);
+        }
         self.measured = Measured::NONE;
         self.slots.fill(NONE);
         self.bits.fill(0);

@@ -212,10 +212,11 @@ mod tests {
     use crate::arithmetic::less;
     use crate::beam::{Beams, Columns, TurnAxis};
     use crate::row::fan::RowBeam;
-    use crate::weighted::sums::{Errors, Sums};
+    use crate::weighted::fitted::tests::{Point, sums};
+    use std::vec::Vec;
 
     const COLUMNS: usize = 181;
-    const WEIGHT: f32 = 1e4;
+    const WEIGHT: f64 = 1e4;
 
     /// The plane of 20 rows of a patch of the plane m, which is seen along the beams `right`, and which
     /// those of `said` are taken for.
@@ -224,19 +225,9 @@ mod tests {
         for row in 0..20 {
             let beams = RowBeam { row, beams: (0.3 + 0.01 * row as f32).into() };
             let ray = |fan: &Fan, column| fan.ray(&fan.frame(beams), column)[0];
-            let mean = columns.clone().fold([0.0; 3], |sum, c| plus(sum, 1.0 / columns.len() as f32, ray(said, c)));
-            let all = WEIGHT * columns.len() as f32;
-            let (mut sums, mut errors) = (Sums { w: all, all, c: mean, s: [0.0; 6] }, Errors::default());
-            let so_far = fitted.map_or(m, |fitted| fitted.m);
-            for column in columns.clone() {
-                let [x, y, z] = less(ray(said, column), mean);
-                let products = [x * x, y * y, z * z, x * y, x * z, y * z];
-                let error = dot(ray(right, column), m) - dot(ray(said, column), so_far);
-                sums.s = core::array::from_fn(|i| sums.s[i] + WEIGHT * products[i]);
-                errors.sum += WEIGHT * error;
-                errors.along = plus(errors.along, WEIGHT * error, [x, y, z]);
-                errors.squares += WEIGHT * error * error;
-            }
+            let point = |column| (ray(said, column).map(f64::from), f64::from(dot(ray(right, column), m)), WEIGHT);
+            let points: Vec<Point> = columns.clone().map(point).collect();
+            let (sums, errors) = sums(&points, fitted.map_or(m, |fitted| fitted.m));
             match &mut fitted {
                 Some(fitted) => fitted.extend(&sums, &errors),
                 None => fitted = Some(Fitted::first(sums, m, &errors)),

@@ -142,12 +142,12 @@ impl Fitted {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::vec::Vec;
 
     /// Beam, one over the range, weight.
-    type Point = ([f64; 3], f64, f64);
+    pub(crate) type Point = ([f64; 3], f64, f64);
 
     /// A number from -1 to 1.
     fn uniform(seed: u32, i: u32) -> f64 {
@@ -196,7 +196,7 @@ mod tests {
     }
 
     /// Sums of points and their errors against a plane, as the core has them.
-    fn sums(points: &[Point], m: [f32; 3]) -> (Sums, Errors) {
+    pub(crate) fn sums(points: &[Point], m: [f32; 3]) -> (Sums, Errors) {
         let w: f64 = points.iter().map(|p| p.2).sum();
         let c: [f64; 3] = core::array::from_fn(|i| points.iter().map(|p| p.2 * p.0[i]).sum::<f64>() / w);
         let (mut s, mut sum, mut along, mut squares) = ([0.0; 6], 0.0, [0.0; 3], 0.0);

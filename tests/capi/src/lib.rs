@@ -14,6 +14,9 @@ pub const ROWS: usize = if cfg!(miri) { 5 } else { 60 };
 /// All approaches.
 pub const APPROACHES: [u32; 3] = [SCANSEG_PLANE, SCANSEG_EDGE, SCANSEG_REGION];
 
+/// The same; under Miri one of them, for what does not depend on the approach.
+pub const ANY_APPROACH: &[u32] = if cfg!(miri) { &[SCANSEG_EDGE] } else { &APPROACHES };
+
 /// Returns the defaults.
 pub fn defaults() -> Config {
     let mut config = std::mem::MaybeUninit::<Config>::uninit();
