@@ -6,11 +6,10 @@
 
 use core::ops::{ControlFlow, Range};
 
-use crate::arithmetic::cross;
-use crate::arithmetic::dot;
+use crate::arithmetic::{cross, dot, inverse_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
-use crate::plane::rules::{MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
+use crate::plane::rules::{ALONE_LEAN, MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
 use crate::plane::tried::Grown;
 use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
@@ -29,6 +28,24 @@ impl Areas<'_> {
         if square < self.rules.most_wobble { square } else { self.rules.most_wobble }
     }
 
+    /// A line without the turn of its row, which all of its pixels share, on a plane m. Where there is none it
+    /// leans across the row by [`ALONE_LEAN`].
+    fn without_turn(&self, line: &Fitted, m: Option<[f32; 3]>) -> Fitted {
+        if self.turn_rad2 == 0.0 {
+            return *line;
+        }
+        let leaning = || {
+            let c = line.sums.c;
+            let out = plus(c, -dot(c, self.axis), self.axis);
+            let square = dot(out, out);
+            let slope =
+                ALONE_LEAN * libm::sqrtf(dot(line.m, line.m)) * inverse_sqrt(if square > 1e-9 { square } else { 1e-9 });
+            out.map(|x| slope * x)
+        };
+        let slope = m.map_or_else(leaning, |m| cross(m, self.axis));
+        Fitted { sums: line.sums.without(slope, self.turn_rad2), ..*line }
+    }
+
     /// How badly a line fits an area, and the common plane; `None` if it does not fit.
     fn takes(&self, slot: u16, line: &Fitted, points: u32) -> Option<(f32, Fitted)> {
         // most of what is no surface is told by its range, which is quick. The mean beam of a wide
@@ -41,6 +58,7 @@ impl Areas<'_> {
         if far && (points < WIDE || meets()) {
             return None;
         }
+        let line = &self.without_turn(line, self.has_plane(slot).then(|| self.m(slot)));
         let common = self.fitted(slot).with(line);
         let n = points as f32;
         let badly = common.one + common.other;
@@ -159,7 +177,7 @@ impl Areas<'_> {
                 self.extend(slot, run, &common, points);
                 slot
             }
-            _ => self.begin(run, line, points),
+            _ => self.begin(run, &self.without_turn(line, None), points),
         }
     }
 }

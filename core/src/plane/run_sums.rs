@@ -5,7 +5,6 @@ use core::ops::Range;
 
 use crate::arithmetic::{below, dot, less, plus};
 use crate::plane::noise::{Spread, Variance};
-use crate::plane::rules::LEAN;
 use crate::plane::scanline::{Along, At, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::{CHUNK, VECTORS};
@@ -278,16 +277,15 @@ impl Scanline<'_> {
             beside: !self.frame.plain,
         };
         let (sums, mut beside) = weighing.total(first, self, run, cached);
-        let slope = if self.fan.spins() {
+        let (slope, off2) = if self.fan.spins() {
             let q = middle.cos * along.a + middle.sin * along.b + along.k;
-            [q * q, 0.0]
+            ([q * q, 0.0], self.off2)
         } else {
-            // how a line leans across the row is not known
-            let per = if first { LEAN * libm::sqrtf(dot(m, m)) } else { along.turned };
-            [per * middle.cos, per]
+            // what a turn does to a line depends on the plane that takes it
+            ([along.turned * middle.cos, along.turned], if first { 0.0 } else { self.off2 })
         };
         let all = sums[0];
-        let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, &mut beside, slope, self.off2);
+        let [w, c, s, e, cc, cs, ss, ec, es, ee] = without_shared(sums, &mut beside, slope, off2);
         let [t, ct, st, tt, et] = beside;
         let per = if w > 0.0 { 1.0 / w } else { 0.0 };
         let (mc, ms, mt) = (c * per, s * per, t * per);

@@ -261,11 +261,10 @@ impl<'a> PlaneSegmenter<'a> {
                 line.turned_rad = by;
             }
         }
-        let told2 = turns.told2(fan, rules);
-        let left = if line.offset_m != 0.0 { LEFT_OF_RING } else { LEFT_OF_TURN };
-        let left2 = line.off2 + left * told2;
+        let told2 = turns.told2(&line, rules);
+        let left2 = told2 * if line.offset_m != 0.0 { LEFT_OF_RING } else { LEFT_OF_TURN };
         // a turn stays in the sums, an offset is taken off
-        line.off2 += if line.offset_m != 0.0 { left * told2 } else { told2 };
+        line.off2 = if line.offset_m != 0.0 { left2 } else { told2 };
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
@@ -285,7 +284,7 @@ impl<'a> PlaneSegmenter<'a> {
 
         join_neighbours(areas, &line, carried.slots, slots, &mut cached, sink)?;
         if let Some(turn_rad) = areas.seam_rad.take() {
-            turns.learn_turn(turn_rad, rules);
+            turns.learn_turn(turn_rad, &line, rules);
         }
         areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), sink)?;
         if beam.row == 0 {

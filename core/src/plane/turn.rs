@@ -18,7 +18,6 @@ use crate::plane::areas::{Areas, FULL};
 use crate::plane::median::weighted_median;
 use crate::plane::rules::{MOST_TOLD, PRIOR_ROWS, Rules, TURN_PLANES, TURN_STRIDE};
 use crate::plane::scanline::{Along, Cached, Scanline};
-use crate::row::fan::Fan;
 use crate::row::slots::NONE;
 use crate::row::within::{at, part_mut, put};
 
@@ -85,14 +84,14 @@ impl Turns {
     }
 
     /// Takes note of a turn that was found between two areas, radians.
-    pub fn learn_turn(&mut self, turn_rad: f32, rules: &Rules) {
-        self.learn(turn_rad, 0.0, expected2(false, rules));
+    pub fn learn_turn(&mut self, turn_rad: f32, line: &Scanline, rules: &Rules) {
+        self.learn(turn_rad, 0.0, expected2(line, rules));
     }
 
     /// Variance of what rows of this scanner are off by, as the scan tells it.
-    pub fn told2(&self, fan: &Fan, rules: &Rules) -> f32 {
-        let known = fan.spins() || fan.turns();
-        if known { self.variance(expected2(fan.spins(), rules)) } else { 0.0 }
+    pub fn told2(&self, line: &Scanline, rules: &Rules) -> f32 {
+        let known = line.fan.spins() || line.fan.turns();
+        if known { self.variance(expected2(line, rules)) } else { 0.0 }
     }
 
     /// What a row is off by: its turn beyond what was reported, radians; of a spinning scanner all
@@ -108,7 +107,7 @@ impl Turns {
     ) -> Option<f32> {
         let found = self.find(line, above, areas, turn_rad, scratch);
         if let (Some(now), Some(last)) = (found, self.last) {
-            let expected2 = expected2(line.fan.spins(), areas.rules);
+            let expected2 = expected2(line, areas.rules);
             self.learn(now.by - last.by, now.variance + last.variance, expected2);
         }
         self.last = found;
@@ -142,7 +141,7 @@ impl Turns {
         }
         let off = estimate(samples, expected, rules);
         let by = off.by;
-        let known = line.off2 + self.told2(line.fan, rules);
+        let known = self.told2(line, rules);
         let (gain, several) = explained(samples, by, areas);
         let believed = gain > rules.turn_gain
             && gain > rules.turn_gain_per_pixel * samples.len() as f32
@@ -151,10 +150,11 @@ impl Turns {
     }
 }
 
-/// Variance of what rows are off by that is expected before any row tells.
-fn expected2(spins: bool, rules: &Rules) -> f32 {
-    let expected = if spins { rules.ring_prior_m } else { rules.turn_prior_rad };
-    expected * expected
+/// Variance of what rows are off by that is expected before any row tells: at least what is stated.
+fn expected2(line: &Scanline, rules: &Rules) -> f32 {
+    let expected = if line.fan.spins() { rules.ring_prior_m } else { rules.turn_prior_rad };
+    let expected2 = expected * expected;
+    if expected2 > line.off2 { expected2 } else { line.off2 }
 }
 
 /// The pixels that tell: those on a large plane, near enough to it for it to be off by what is

@@ -47,6 +47,21 @@ impl Sums {
         Sums { w, all: self.all + other.all, c: plus(self.c, share, d), s }
     }
 
+    /// The sums of points whose errors all change by g . u for each unit of something that nobody knows but for
+    /// its variance: it is left out of what they tell.
+    pub fn without(&self, g: [f32; 3], variance: f32) -> Sums {
+        let along = self.scatter(g);
+        let at_mean = dot(self.c, g);
+        let spread = variance * dot(g, along);
+        let spread = 1.0 + if spread > 0.0 { spread } else { 0.0 };
+        let share = variance / spread;
+        let w = self.w * spread / (spread + variance * self.w * at_mean * at_mean);
+        let [x, y, z] = along;
+        let products = [x * x, y * y, z * z, x * y, x * z, y * z];
+        let s = core::array::from_fn(|i| self.s[i] - share * products[i]);
+        Sums { w, all: self.all, c: plus(self.c, -share * at_mean, along), s }
+    }
+
     #[inline(always)]
     fn scatter(&self, v: [f32; 3]) -> [f32; 3] {
         let [xx, yy, zz, xy, xz, yz] = self.s;

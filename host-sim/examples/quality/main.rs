@@ -135,6 +135,7 @@ fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::
             ("seam_uneven", number) => set(&mut rules.seam_uneven, number)?,
             ("turn_prior_rad", number) => set(&mut rules.turn_prior_rad, number)?,
             ("bend_step", number) => set(&mut rules.bend_step, number)?,
+            ("most_wobble", number) => set(&mut rules.most_wobble, number)?,
             ("wobble", number) => set(&mut rules.wobble, number)?,
             ("seam_rad", number) => set(&mut rules.seam_rad, number)?,
             ("turn_gain", number) => set(&mut rules.turn_gain, number)?,
