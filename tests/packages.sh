@@ -8,7 +8,6 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export CARGO_TARGET_DIR=target/packages
-export CARGO_PROFILE_DEV_DEBUG=none # nobody looks into what is built here
 # Cargo takes a package for unchanged as long as its version is.
 rm -rf "$CARGO_TARGET_DIR" "${CARGO_HOME:-$HOME/.cargo}"/registry/src/-*/scanseg-*
 

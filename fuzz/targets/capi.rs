@@ -268,6 +268,8 @@ fuzz_target!(|calls: Calls| {
             Call::Finish => {
                 let status = session.finish();
                 assert_eq!(status, if over { SCANSEG_ERROR_SCAN_OVER } else { SCANSEG_OK });
+                let stretch = session.beam_stretch.abs();
+                assert!(stretch == 0.0 || (0.003..=0.12).contains(&stretch), "{stretch}");
                 if !over && !bits_are_used {
                     let (labels, events) = by_core(&case, &pushed);
                     assert_eq!((&session.labels, &session.events), (&labels, &events));

@@ -19,7 +19,7 @@
 //! | complete scan lines, 0.5 degree | 10.1 mm | 5.6 mm | 0.21 mm |
 //! | interlaced, 0.5 degree | 3.0 mm | 1.1 mm | 0.20 mm |
 //!
-//! `cargo test -p scanseg-virtual-rig --test pairing -- --nocapture` prints these figures and
+//! `cargo test -p scanseg-virtual-rig --test all pairing -- --nocapture` prints these figures and
 //! asserts them.
 
 use core::f32::consts::{PI, TAU};

@@ -8,7 +8,7 @@ use std::path::Path;
 #[test]
 fn every_file_is_in_a_program() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for package in ["tests", "host-sim", "hal-adapter"] {
+    for package in ["tests", "host-sim", "hal-adapter", "core/capi", "host-sim/formats", "host-sim/virtual-rig"] {
         let read = |path: &str| fs::read_to_string(root.join(package).join(path)).unwrap();
         let (program, manifest) = (read("tests/all.rs"), read("Cargo.toml"));
         for entry in fs::read_dir(root.join(package).join("tests")).unwrap() {

@@ -48,7 +48,7 @@
 #define SCANSEG_IMAGE_WORK(rows, columns) (2 * ((size_t)(rows) * (size_t)(columns) + 1))
 
 /** An output that nothing was asked of yet: `scanseg_output output = SCANSEG_OUTPUT_INIT;` */
-#define SCANSEG_OUTPUT_INIT {sizeof(scanseg_output), 0, NULL, 0, NULL, 0, NULL, NULL, 0, 0, 0, 0, 0}
+#define SCANSEG_OUTPUT_INIT {sizeof(scanseg_output), 0, NULL, 0, NULL, 0, NULL, NULL, 0, 0, 0, 0, 0, 0}
 
 
 /**
@@ -170,7 +170,7 @@
  * Counts the incompatible changes of structs and functions. `scanseg_config_init` and
  * `scanseg_init` compare it with the library's.
  */
-#define SCANSEG_ABI_VERSION 3
+#define SCANSEG_ABI_VERSION 4
 
 /**
  * A segmenter, in memory of yours.
@@ -498,6 +498,13 @@ typedef struct scanseg_output {
      * Given out by `scanseg_finish` and `scanseg_segment_image`: rows of the scan.
      */
     uint32_t scan_rows;
+    /**
+     * Given out: the share by which beam angles are too small, as the walls of the scan so far tell
+     * it. 0.01: a beam that is said to be 30 deg from the middle one is 30.3 deg from it, and
+     * planes are those of the points along such beams. 0 where angles are right or nothing tells,
+     * and but for `SCANSEG_PLANE` with nodding beams; else 0.003 to 0.12 either way.
+     */
+    float beam_stretch;
 } scanseg_output;
 
 /**

@@ -146,6 +146,8 @@ public:
     std::size_t columns() const noexcept { return columns_; }
     /// Joins and segments that the last call has found; of an image its segments. There is room for all.
     Span<const scanseg_event> events() const noexcept { return {events_.get(), memory_ ? output_.event_count : 0}; }
+    /// The share by which beam angles are too small, as the scan of the last call tells it.
+    float beam_stretch() const noexcept { return output_.beam_stretch; }
     /// All that the last call has given out.
     const scanseg_output &output() const noexcept { return output_; }
 

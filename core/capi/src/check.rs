@@ -4,7 +4,7 @@ use crate::status::{SCANSEG_ERROR_ALIGNMENT, SCANSEG_ERROR_NULL, SCANSEG_ERROR_S
 
 /// Counts the incompatible changes of structs and functions. `scanseg_config_init` and
 /// `scanseg_init` compare it with the library's.
-pub const SCANSEG_ABI_VERSION: u32 = 3;
+pub const SCANSEG_ABI_VERSION: u32 = 4;
 
 /// Whether a pointer can be used.
 pub fn check_pointer<T>(pointer: *const T) -> Result<(), Status> {

@@ -236,7 +236,7 @@ pub unsafe extern "C" fn scanseg_push_row_beams(
             (core::slice::from_raw_parts(ranges_m, columns), beams, Collector::new(output, 1, columns, None)?)
         };
         let stopped = handle.push_row(ranges_m, beams, &mut collector)?;
-        let done = collector.done(0);
+        let done = collector.done(0, handle.beam_stretch());
         Ok(if stopped { SCANSEG_STOPPED } else { done })
     };
     push().unwrap_or_else(|error| error)
@@ -257,8 +257,9 @@ pub unsafe extern "C" fn scanseg_finish(segmenter: *mut State, output: *mut Outp
         let rows = handle.latency_rows();
         // SAFETY: as above.
         let mut collector = unsafe { Collector::new(output, rows, handle.columns, None)? };
+        let beam_stretch = handle.beam_stretch();
         let scan_rows = handle.finish(&mut collector);
-        let done = collector.done(scan_rows.unwrap_or(0));
+        let done = collector.done(scan_rows.unwrap_or(0), beam_stretch);
         Ok(if scan_rows.is_none() { SCANSEG_STOPPED } else { done })
     };
     finish().unwrap_or_else(|error| error)
@@ -348,7 +349,7 @@ pub unsafe extern "C" fn scanseg_segment_image(
             match handle.push_row(row_m, beams, &mut collector) {
                 Ok(false) => {}
                 Ok(true) => {
-                    collector.done(0);
+                    collector.done(0, handle.beam_stretch());
                     return Ok(SCANSEG_STOPPED);
                 }
                 Err(error) => {
@@ -357,8 +358,9 @@ pub unsafe extern "C" fn scanseg_segment_image(
                 }
             }
         }
+        let beam_stretch = handle.beam_stretch();
         let scan_rows = handle.finish(&mut collector);
-        let done = collector.done(scan_rows.unwrap_or(0));
+        let done = collector.done(scan_rows.unwrap_or(0), beam_stretch);
         Ok(if scan_rows.is_none() { SCANSEG_STOPPED } else { done })
     };
     segment().unwrap_or_else(|error| error)

@@ -62,6 +62,11 @@ pub struct Output {
     pub unlabelled: u32,
     /// Given out by `scanseg_finish` and `scanseg_segment_image`: rows of the scan.
     pub scan_rows: u32,
+    /// Given out: the share by which beam angles are too small, as the walls of the scan so far tell
+    /// it. 0.01: a beam that is said to be 30 deg from the middle one is 30.3 deg from it, and
+    /// planes are those of the points along such beams. 0 where angles are right or nothing tells,
+    /// and but for `SCANSEG_PLANE` with nodding beams; else 0.003 to 0.12 either way.
+    pub beam_stretch: f32,
 }
 
 /// Takes the results of one call.
@@ -107,11 +112,11 @@ impl<'a> Collector<'a> {
         Ok(Collector { to, output, pixels: 0, events, image })
     }
 
-    /// Tells the caller how much there is.
-    pub fn done(mut self, scan_rows: usize) -> Status {
+    /// Tells the caller how much there is, and by what share beam angles are too small.
+    pub fn done(mut self, scan_rows: usize, beam_stretch: f32) -> Status {
         self.finish_image();
         let Collector { to, mut output, events, image, .. } = self;
-        output.scan_rows = scan_rows as u32;
+        (output.scan_rows, output.beam_stretch) = (scan_rows as u32, beam_stretch);
         (output.event_count, output.events_lost) = (events.count, events.lost);
         let full = events.lost > 0 && !output.events.is_null();
         if image.is_none() && !full {

@@ -225,6 +225,15 @@ impl Handle {
         unsafe { &(*self.state).segmenter }.latency_rows()
     }
 
+    /// The share by which beam angles are too small, as the scan so far tells it.
+    pub fn beam_stretch(&self) -> f32 {
+        // SAFETY: `new` has found a segmenter there that is not in use.
+        match unsafe { &(*self.state).segmenter } {
+            AnySegmenter::Plane(planes) => planes.beam_stretch(),
+            AnySegmenter::Edge(_) | AnySegmenter::Region(_) => 0.0,
+        }
+    }
+
     /// Takes a row. Whether the sink broke off.
     pub fn push_row(&mut self, ranges_m: &[f32], beams: RowBeams, sink: &mut impl Sink) -> Result<bool, Status> {
         let pushed = self.with(Phase::Scanning, |segmenter| {

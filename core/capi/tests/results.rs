@@ -12,7 +12,7 @@ use scanseg_core::{
 };
 
 #[derive(Default)]
-struct Collected {
+pub struct Collected {
     labels: Vec<u32>,
     joins: Vec<(u32, u32)>,
     segments: Vec<Segment>,

@@ -115,7 +115,7 @@ static void wall(uint32_t approach) {
         if (scan == 0) {
             scanseg_plane plane;
             CHECK(status == SCANSEG_OK && output.event_count == 1 && output.scan_rows == ROWS);
-            CHECK(labelled + output.row_count == ROWS);
+            CHECK(labelled + output.row_count == ROWS && output.beam_stretch == 0);
             CHECK(events[0].kind == SCANSEG_SEGMENT && events[0].pixels > (COLUMNS - 8) * (ROWS - 8));
             CHECK(scanseg_fit_plane(&events[0], &plane) == SCANSEG_OK);
             CHECK(plane.normal[0] < -0.9999f && plane.distance_m > 1.999f && plane.distance_m < 2.001f);

@@ -46,7 +46,7 @@ int main() {
         code = error.code;
     }
     CHECK(code == SCANSEG_ERROR_NULL);
-    CHECK(second.finish() && second.output().scan_rows == 4 && second.events().size() == 1);
+    CHECK(second.finish() && second.beam_stretch() == 0 && second.output().scan_rows == 4 && second.events().size() == 1);
     CHECK(second.events()[0].pixels == 32);
     first = std::move(second);
     CHECK(first.reset() && first.finish() && first.output().scan_rows == 0);

@@ -57,7 +57,7 @@
 //! All beams of a row get the mean turn angle of the row, or each the one of its own time:
 //! `Rig::new(OwnTurns::new(settings), ..)`. On a floor 1 m below, at 0.5 rad/s, where two mirror turns make a
 //! row, points are off by 5.7 mm, and by 0.4 mm with [`OwnTurns`]
-//! (`cargo test -p scanseg-virtual-rig --test moving -- --nocapture`). That takes a Cortex-M4F 10 % more
+//! (`cargo test -p scanseg-virtual-rig --test all moving -- --nocapture`). That takes a Cortex-M4F 10 % more
 //! instructions by the default and 38 % more by edges, a Cortex-M0 by edges 94 % more, and 1 KB of
 //! flash. Without it, use a variant in steps of 1 degree for a tilt that moves. Of a sub-range that does
 //! not begin with the first mirror turn all beams have the mean turn angle.

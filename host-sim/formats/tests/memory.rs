@@ -1,7 +1,5 @@
 //! The memory that files take, whatever they claim: allocations are counted.
 
-mod clouds;
-
 use scanseg_formats::{Depth, Geometry, GreyImage, Kind, ReadOptions, ScanFile};
 
 /// The most bytes that were taken at a time.
@@ -90,7 +88,7 @@ fn a_cloud_that_claims_much_takes_next_to_nothing() {
         e57,
     ];
     for (i, bytes) in files.iter().enumerate() {
-        let path = clouds::file(&format!("claim{i}"), bytes);
+        let path = crate::clouds::file(&format!("claim{i}"), bytes);
         let most = most_bytes(|| assert!(ScanFile::open(&path, &ReadOptions::default()).is_err()));
         assert!(most < 100_000, "{i}: {most} bytes");
     }
@@ -100,17 +98,17 @@ fn a_cloud_that_claims_much_takes_next_to_nothing() {
 fn a_cloud_takes_some_times_its_file() {
     let (rows, columns) = (200, 300);
     let kind = Kind::Pinhole { fx_px: 300.0, fy_px: 300.0, cx_px: 150.0, cy_px: 100.0, depth: Depth::Range };
-    let points = clouds::points_of(&Geometry::of(kind), rows, columns, |row, column| (row + column) % 5 > 0);
+    let points = crate::clouds::points_of(&Geometry::of(kind), rows, columns, |row, column| (row + column) % 5 > 0);
     let shaken: Vec<_> = (0..).zip(&points).map(|(i, p)| [p[0], p[1] + 0.02 * ((i * 37 % 11) as f32), p[2]]).collect();
     let text = |points: &[[f32; 3]]| points.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<_>>();
     let files = [
-        ("binary", clouds::binary_pcd(rows, columns, &points)),
-        ("packed", clouds::packed_pcd(rows, columns, &points)),
-        ("ascii", clouds::ascii_pcd(rows, columns, &text(&points))),
-        ("free", clouds::binary_pcd(rows, columns, &shaken)),
+        ("binary", crate::clouds::binary_pcd(rows, columns, &points)),
+        ("packed", crate::clouds::packed_pcd(rows, columns, &points)),
+        ("ascii", crate::clouds::ascii_pcd(rows, columns, &text(&points))),
+        ("free", crate::clouds::binary_pcd(rows, columns, &shaken)),
     ];
     for (name, bytes) in files {
-        let path = clouds::file(name, &bytes);
+        let path = crate::clouds::file(name, &bytes);
         let most = most_bytes(|| assert!(ScanFile::open(&path, &ReadOptions::default()).is_ok()));
         println!("{name}: {:.1} times its file", most as f64 / bytes.len() as f64);
         assert!(most < 12 * bytes.len() as u64, "{name}: {most} of {}", bytes.len());

@@ -1,11 +1,9 @@
 //! Clouds, arrays and depth images of others as scans: what is read, what is refused and how it is
 //! said.
 
-mod clouds;
-
 use std::fs;
 
-use clouds::{POINTS, ascii_pcd, binary_pcd, file, open, open_with, packed_pcd, pcd_of, refused};
+use crate::clouds::{POINTS, ascii_pcd, binary_pcd, file, open, open_with, packed_pcd, pcd_of, refused};
 use scanseg_formats::{Angles, CameraOptions, Depth, Geometry, Kind, ReadOptions, TurnAxis};
 
 fn even(start_deg: f64, step_deg: f64) -> Angles {
@@ -93,7 +91,7 @@ fn beams_that_are_no_grid_stay_as_they_are() {
 #[test]
 fn clouds_in_the_axes_of_a_camera_are_turned() {
     let kind = Kind::Pinhole { fx_px: 50.0, fy_px: 50.0, cx_px: 29.5, cy_px: 19.5, depth: Depth::Range };
-    let points = clouds::points_of(&Geometry::of(kind.clone()), 40, 60, |_, _| true);
+    let points = crate::clouds::points_of(&Geometry::of(kind.clone()), 40, 60, |_, _| true);
     let straight = open("forward.pcd", &binary_pcd(40, 60, &points));
     assert_eq!(straight.remarks, [""; 0]);
     let optical: Vec<_> = points.iter().map(|[x, y, z]| [-y, -z, *x]).collect();

@@ -1,14 +1,13 @@
 //! Faults of which every byte and every sample is known: what becomes of each telegram.
 
-mod tilted;
-
 use scanseg_core::{Finished, PushError, RowBeams, Segmenter, Sink, Status};
 use scanseg_hal::Latch;
 use scanseg_hal::lms2xx::{Baud, Session, SessionEvent};
 use scanseg_hal::pairing::MIRROR_TURN_US;
 use scanseg_hal::rig::{Counters, Rig};
 use scanseg_virtual_rig::{BURST, Beam, VirtualLms};
-use tilted::*;
+
+use crate::tilted::*;
 
 /// A telegram of 181 values.
 const TELEGRAM: usize = 372;

@@ -1,8 +1,6 @@
 //! What the turn angle of each beam buys in the rig: a scanner in steps of half a degree, two mirror
 //! turns a row, on a tilt that moves at 0.5 rad/s above a floor.
 
-mod tilted;
-
 use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::rc::Rc;
@@ -12,7 +10,7 @@ use scanseg_hal::lms2xx::{Baud, Settings, Variant};
 use scanseg_hal::rig::{OwnTurns, Rig, TiltLimits};
 use scanseg_virtual_rig::{Chain, Motion, scanner_on_tilt};
 
-use tilted::{SETTINGS, Seen};
+use crate::tilted::{SETTINGS, Seen};
 
 const FLOOR_M: f64 = 1.0;
 

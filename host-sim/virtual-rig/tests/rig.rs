@@ -1,8 +1,6 @@
 //! The whole chain on simulated wires: every whole telegram is used, no row gets a turn angle that
 //! is not its own, what is lost is counted, and the next scan is clean.
 
-mod tilted;
-
 use std::rc::Rc;
 
 use scanseg_core::{Finished, MAX_ROWS, PushError, RowBeams, Segmenter, Sink, Status};
@@ -11,7 +9,8 @@ use scanseg_hal::lms2xx::crc::check_word;
 use scanseg_hal::lms2xx::{Baud, Session, Settings, Trouble, Variant};
 use scanseg_hal::rig::{Counters, Dropped, End, Rig, TiltLimits};
 use scanseg_virtual_rig::{Chain, EncoderFault, Mishap, Motion, WireFaults, scanner_on_tilt};
-use tilted::*;
+
+use crate::tilted::*;
 
 /// Rows of a sweep of 1.2 rad at 75 rows a second.
 const SWEEP_ROWS: u16 = (1.2 / RATE * 75.0) as u16;

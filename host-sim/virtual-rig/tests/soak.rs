@@ -1,8 +1,6 @@
 //! Scan after scan on the virtual rig with everything going wrong now and then: the counters agree,
 //! the rig never allocates, and memory does not grow.
 
-mod tilted;
-
 use std::ops::ControlFlow;
 
 use allocation_counter::measure;
@@ -10,7 +8,8 @@ use scanseg_core::{LabelRow, PlaneConfig, PlaneSegmenter, Ranging, Segment, Sink
 use scanseg_hal::lms2xx::{Baud, Session};
 use scanseg_hal::rig::{Rig, RigSink, ScanFinished, beams};
 use scanseg_virtual_rig::{EncoderFault, WireFaults};
-use tilted::*;
+
+use crate::tilted::*;
 
 /// Samples up to 33 ms apart, between which the tilt may turn back, and half of the rate to the
 /// limit.

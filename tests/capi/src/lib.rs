@@ -58,6 +58,7 @@ pub fn output() -> Output {
         row_count: 0,
         unlabelled: 0,
         scan_rows: 0,
+        beam_stretch: 0.0,
     }
 }
 
@@ -90,6 +91,8 @@ pub struct Session {
     pub labels: Vec<u32>,
     /// All events so far.
     pub events: Vec<Event>,
+    /// The share by which beam angles are too small, as the last call that was taken told it.
+    pub beam_stretch: f32,
 }
 
 impl Session {
@@ -107,7 +110,7 @@ impl Session {
         assert_eq!(status, SCANSEG_OK);
         assert_eq!(segmenter.cast(), memory);
         let columns = config.columns as usize;
-        Session { memory, words, segmenter, columns, most_events: 0, labels: vec![], events: vec![] }
+        Session { memory, words, segmenter, columns, most_events: 0, labels: vec![], events: vec![], beam_stretch: 0.0 }
     }
 
     fn call(&mut self, rows: usize, call: impl FnOnce(*mut State, *mut Output) -> Status) -> Status {
@@ -129,6 +132,7 @@ impl Session {
             );
             self.labels.extend(&labels[..out.row_count as usize * self.columns]);
             self.events.extend(&events[..out.event_count]);
+            self.beam_stretch = out.beam_stretch;
             self.most_events = self.most_events.max(out.event_count);
         }
         status
