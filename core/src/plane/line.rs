@@ -165,7 +165,7 @@ pub(crate) fn lines(
     }
     let mut end = run.end;
     while end > start {
-        if row.range_m(end - 1) == 0.0 {
+        if !row.is_return(end - 1) {
             end -= 1;
             continue;
         }

@@ -72,6 +72,11 @@ impl Scanline<'_> {
         self.fan.lanes(&self.frame, from, lanes);
     }
 
+    /// Whether a pixel is a return.
+    pub fn is_return(&self, column: usize) -> bool {
+        self.ranging.no_return(at(self.ranges_m, column)) >> 31 == 0
+    }
+
     /// The range of a return as it was measured, 0 for none.
     pub fn range_m(&self, column: usize) -> f32 {
         self.known(at(self.ranges_m, column))
