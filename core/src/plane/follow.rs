@@ -42,6 +42,7 @@ pub(crate) struct Followed<'a> {
 /// Finds for each pixel of a row the slot whose plane it goes on with, or [`NONE`]. `above` are the
 /// slots above the row; `left2` is the variance of what the row is off by that is left after its
 /// correction: rad^2 of its turn, m^2 of the offset of its ring.
+#[inline(never)]
 pub(crate) fn follow(
     line: &Scanline,
     above: &[u16],

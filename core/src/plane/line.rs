@@ -165,7 +165,7 @@ pub(crate) fn lines(
     }
     let mut end = run.end;
     while end > start {
-        if row.range_m(end - 1) == 0.0 {
+        if !row.is_return(end - 1) {
             end -= 1;
             continue;
         }
@@ -176,6 +176,7 @@ pub(crate) fn lines(
 }
 
 /// Finds for each return of a run where the line begins that ends with it, from the start of the run.
+#[inline(never)]
 fn cut(run: Range<usize>, row: &Scanline, rules: &Rules, from: &mut [u16], cached: &mut Cached) {
     let start = run.start;
     let (mut cuts, mut cost) = (Cuts::NONE, 0.0);

@@ -60,7 +60,7 @@ pub(crate) fn join_neighbours<S: Sink + ?Sized>(
             let column = from + bits.trailing_zeros() as usize;
             bits &= bits - 1;
             let seen = [Some(column), row.to_the_right(column, 1)].map(|column| {
-                let column = column.filter(|&column| row.range_m(column) > 0.0)?;
+                let column = column.filter(|&column| row.is_return(column))?;
                 Some(if few { cached.lone(row, column) } else { cached.at(row, column) })
             });
             join_at(areas, row, column, [above, slots], seen, &mut recent, sink)?;

@@ -18,9 +18,11 @@ pub(crate) struct Variance {
     sd: [f32; 3],
     step: [f32; 2],
     least_m2: f32,
-    /// What is stated where it is the same at all ranges, as it mostly is.
-    constant_m2: Option<f32>,
     measured: [f32; 2],
+    /// What is stated where it is the same at all ranges, as it mostly is.
+    stated_m2: Option<f32>,
+    /// The variance where it is the same at all ranges.
+    constant_m2: Option<f32>,
 }
 
 impl Variance {
@@ -28,11 +30,11 @@ impl Variance {
     pub fn stated(ranging: &Ranging, least_m: f32) -> Variance {
         let sd = [ranging.range_noise_m, ranging.range_noise_per_m, ranging.range_noise_per_m2];
         let step = [ranging.range_step_m, ranging.range_step_per_m2].map(|step| step * ROUNDING);
-        let mut stated = Variance { sd, step, least_m2: least_m * least_m, constant_m2: None, measured: [0.0; 2] };
+        let mut stated = Variance { sd, step, least_m2: least_m * least_m, ..Variance::default() };
         if sd[1] == 0.0 && sd[2] == 0.0 && step[1] == 0.0 {
-            stated.constant_m2 = Some(stated.stated_at(0.0));
+            stated.stated_m2 = Some(stated.stated_at(0.0));
         }
-        stated
+        stated.with_measured([0.0; 2])
     }
 
     /// Whether anything is stated but the least.
@@ -42,7 +44,10 @@ impl Variance {
 
     /// The same, and at least so much: a constant, and what is multiplied by r^4.
     pub fn with_measured(self, measured: [f32; 2]) -> Variance {
-        Variance { measured, ..self }
+        let [least_m2, grown] = measured;
+        let larger = |stated_m2| if below(stated_m2, least_m2) { least_m2 } else { stated_m2 };
+        let constant_m2 = self.stated_m2.filter(|_| grown == 0.0).map(larger);
+        Variance { measured, constant_m2, ..self }
     }
 
     /// What is stated of a range, m^2.
@@ -57,9 +62,12 @@ impl Variance {
     /// Of a range, m^2.
     #[inline(always)]
     pub fn at(&self, range_m: f32) -> f32 {
+        if let Some(constant_m2) = self.constant_m2 {
+            return constant_m2;
+        }
         let [constant, grown] = self.measured;
         let square = range_m * range_m;
-        let stated = self.constant_m2.unwrap_or_else(|| self.stated_at(range_m));
+        let stated = self.stated_m2.unwrap_or_else(|| self.stated_at(range_m));
         let measured_at = if below(square, MOST_MEASURED_M2) { square } else { MOST_MEASURED_M2 };
         let measured = constant + grown * measured_at * measured_at;
         if below(stated, measured) { measured } else { stated }

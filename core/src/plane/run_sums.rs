@@ -9,6 +9,7 @@ use crate::plane::scanline::{Along, At, Cached, Scanline};
 use crate::plane::work::count;
 use crate::row::bits::{CHUNK, VECTORS};
 use crate::row::fan::{Frame, Lanes};
+use crate::row::within::part;
 use crate::weighted::fitted::Fitted;
 use crate::weighted::sums::{Errors, Sums};
 
@@ -59,6 +60,42 @@ struct RunSums {
     beside: [Eight; 5],
 }
 
+impl RunSums {
+    const NONE: RunSums = RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] };
+
+    /// The sums of all eight; those of other rows than plain ones where they are wanted.
+    #[inline(always)]
+    fn total(&self, beside: bool) -> ([f32; 10], [f32; 5]) {
+        (self.plain.map(total), if beside { self.beside.map(total) } else { [0.0; 5] })
+    }
+}
+
+/// One of the eight of [`RunSums`]: for targets that work on one number at a time.
+#[derive(Clone, Copy)]
+struct EachSums {
+    plain: [f32; 10],
+    beside: [f32; 5],
+}
+
+impl EachSums {
+    const NONE: EachSums = EachSums { plain: [0.0; 10], beside: [0.0; 5] };
+
+    /// [`RunSums::total`].
+    #[inline(always)]
+    fn total(each: &[EachSums; LANES], beside: bool) -> ([f32; 10], [f32; 5]) {
+        let (mut plain, mut others) = ([0.0; 10], [0.0; 5]);
+        for (i, to) in plain.iter_mut().enumerate() {
+            *to = total(core::array::from_fn(|j| each[j].plain[i]));
+        }
+        if beside {
+            for (i, to) in others.iter_mut().enumerate() {
+                *to = total(core::array::from_fn(|j| each[j].beside[i]));
+            }
+        }
+        (plain, others)
+    }
+}
+
 impl Weighing {
     /// Weight w, parts c, s and t of the beam along the row's axes less those in the middle, and
     /// error e of a pixel with a return. `first`: the plane is not known well enough to linearise
@@ -101,61 +138,53 @@ impl Weighing {
             }
             return (plain, beside);
         }
-        let mut sums = RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] };
+        let (mut sums, mut each) = (RunSums::NONE, [EachSums::NONE; LANES]);
         let mut at = run.start;
         while at < run.end {
             let (lanes, i) = cached.lanes(row, at);
             let end = run.end.min((at / CHUNK + 1) * CHUNK);
             let last = i + end - at;
-            self.add(first, i, last, lanes, &mut sums);
+            if VECTORS {
+                self.add_eights(first, i, last, lanes, &mut sums);
+            } else {
+                self.add_each(first, i, last, lanes, &mut each);
+            }
             at = end;
         }
-        let (mut plain, mut beside) = ([0.0; 10], [0.0; 5]);
-        plain.iter_mut().zip(&sums.plain).for_each(|(to, lanes)| *to = total(lanes));
-        if self.beside {
-            beside.iter_mut().zip(&sums.beside).for_each(|(to, lanes)| *to = total(lanes));
-        }
-        (plain, beside)
+        if VECTORS { sums.total(self.beside) } else { EachSums::total(&each, self.beside) }
     }
 
-    /// Adds the returns of a chunk from number `from` up to `to`.
+    /// Adds the returns of a chunk from number `from` up to `to`, eight pixels side by side.
     #[inline(always)]
-    fn add(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
-        if VECTORS {
-            for block in from / LANES..to.div_ceil(LANES) {
-                let part = [from as f32, to as f32];
-                if first {
-                    self.add_eight::<true>(block, part, lanes, sums);
-                } else {
-                    self.add_eight::<false>(block, part, lanes, sums);
-                }
+    fn add_eights(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
+        for block in from / LANES..to.div_ceil(LANES) {
+            let part = [from as f32, to as f32];
+            if first {
+                self.add_eight::<true>(block, part, lanes, sums);
+            } else {
+                self.add_eight::<false>(block, part, lanes, sums);
             }
-            return;
         }
-        self.add_each(first, from, to, lanes, sums);
     }
 
     /// The same pixel after pixel: for targets that work on one number at a time.
     #[inline(always)]
-    fn add_each(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut RunSums) {
+    fn add_each(&self, first: bool, from: usize, to: usize, lanes: &Lanes, sums: &mut [EachSums; LANES]) {
         let Lanes { cos, sin, beside, range_m } = lanes;
-        let pixels = range_m.iter().zip(cos).zip(sin).zip(beside).enumerate().take(to).skip(from);
-        for (i, (((&range_m, &cos), &sin), &beside)) in pixels {
+        let [range_m, cos, sin, beside] = [range_m, cos, sin, beside].map(|lane| part(lane, from..to));
+        for (i, (((&range_m, &cos), &sin), &beside)) in range_m.iter().zip(cos).zip(sin).zip(beside).enumerate() {
             if below(0.0, range_m) {
                 let terms = self.terms(first, At { cos, sin, beside, range_m });
-                for (sum, term) in sums.plain.iter_mut().zip(products(terms)) {
-                    sum[i % LANES] += term;
-                }
+                let sums = &mut sums[(from + i) % LANES];
+                sums.plain.iter_mut().zip(products(terms)).for_each(|(sum, term)| *sum += term);
                 if self.beside {
-                    for (sum, term) in sums.beside.iter_mut().zip(products_beside(terms)) {
-                        sum[i % LANES] += term;
-                    }
+                    sums.beside.iter_mut().zip(products_beside(terms)).for_each(|(sum, term)| *sum += term);
                 }
             }
         }
     }
 
-    /// The same of eight pixels side by side.
+    /// Adds those of one block of eight.
     #[inline(always)]
     fn add_eight<const FIRST: bool>(&self, block: usize, [from, to]: [f32; 2], lanes: &Lanes, sums: &mut RunSums) {
         let pick = |lane: &[f32; CHUNK]| -> Eight { lane.as_chunks::<LANES>().0[block % (CHUNK / LANES)] };
@@ -215,9 +244,8 @@ fn accumulate([w, c, s, e]: &[Eight; 4], sums: &mut [Eight; 10]) {
     }
 }
 
-#[cfg_attr(not(target_os = "none"), inline(always))]
-#[cfg_attr(target_os = "none", inline(never))] // in 15 places it takes 1 KB
-fn total(l: &Eight) -> f32 {
+#[inline(always)]
+fn total(l: Eight) -> f32 {
     ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
 }
 
@@ -353,19 +381,12 @@ mod tests {
                 beside,
             };
             for (first, from, to) in [(true, 0, CHUNK), (false, 0, CHUNK), (true, 5, 9), (false, 3, 30)] {
-                let [mut each, mut eight] =
-                    [(); 2].map(|()| RunSums { plain: [[0.0; LANES]; 10], beside: [[0.0; LANES]; 5] });
+                let (mut each, mut eight) = ([EachSums::NONE; LANES], RunSums::NONE);
                 weighing.add_each(first, from, to, &lanes, &mut each);
-                for block in 0..CHUNK / LANES {
-                    let part = [from as f32, to as f32];
-                    if first {
-                        weighing.add_eight::<true>(block, part, &lanes, &mut eight);
-                    } else {
-                        weighing.add_eight::<false>(block, part, &lanes, &mut eight);
-                    }
-                }
-                assert_eq!((each.plain, each.beside), (eight.plain, eight.beside), "{first} {from} {to}");
-                assert_eq!(each.beside != [[0.0; LANES]; 5], beside);
+                weighing.add_eights(first, from, to, &lanes, &mut eight);
+                let [each, eight] = [EachSums::total(&each, beside), eight.total(beside)];
+                assert_eq!(each, eight, "{first} {from} {to}");
+                assert_eq!(each.1 != [0.0; 5], beside);
             }
         }
     }

@@ -72,6 +72,11 @@ impl Scanline<'_> {
         self.fan.lanes(&self.frame, from, lanes);
     }
 
+    /// Whether a pixel is a return.
+    pub fn is_return(&self, column: usize) -> bool {
+        self.ranging.no_return(at(self.ranges_m, column)) >> 31 == 0
+    }
+
     /// The range of a return as it was measured, 0 for none.
     pub fn range_m(&self, column: usize) -> f32 {
         self.known(at(self.ranges_m, column))
@@ -94,10 +99,9 @@ impl Scanline<'_> {
     /// A range as it is reckoned with, 0 for no return.
     #[inline(always)]
     fn known(&self, range_m: f32) -> f32 {
-        let range_m = self.ranging.clean(range_m);
-        // the bits of positive numbers are in the order of the numbers; 0 is left out
-        let near = range_m.to_bits().wrapping_sub(1) < LEAST_RANGE_M.to_bits() - 1;
-        if near { LEAST_RANGE_M } else { range_m }
+        // the bits of positive numbers are in the order of the numbers
+        let near_m = f32::from_bits(range_m.to_bits().max(LEAST_RANGE_M.to_bits()));
+        if self.ranging.no_return(range_m) >> 31 == 0 { near_m } else { 0.0 }
     }
 
     /// The direction of the beam of a pixel.

@@ -92,9 +92,12 @@ impl<'a> Fan<'a> {
         self.stretch = share;
         self.start = cos_sin(self.stretched(start_rad));
         let step_rad = step_rad + share * step_rad;
-        self.steps = core::array::from_fn(|i| cos_sin(step_rad * (1 << i) as f32));
-        let base: [_; 8] = core::array::from_fn(|i| cos_sin(step_rad * i as f32));
-        self.base = (base.map(|b| b.0), base.map(|b| b.1));
+        for (i, step) in self.steps.iter_mut().enumerate() {
+            *step = cos_sin(step_rad * (1 << i) as f32);
+        }
+        for i in 0..8 {
+            (self.base.0[i], self.base.1[i]) = cos_sin(step_rad * i as f32);
+        }
     }
 
     fn stretched(&self, angle_rad: f32) -> f32 {
