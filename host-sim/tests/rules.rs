@@ -40,8 +40,9 @@ fn cases() -> Vec<Case> {
         of("seams, another office", 11, seams(), Trouble::None, 0.01),
         of("bearings that bend", 4, fine(), Trouble::BearingScale(1.02), 0.01),
         of("bearings that bend more", 4, fine(), Trouble::BearingScale(1.15), 0.01),
-        of("large seams", 10, large_seams(), Trouble::None, 0.01),
-        of("large seams, another office", 15, large_seams(), Trouble::None, 0.01),
+        of("large seams", 3, large_seams(), Trouble::None, 0.01),
+        of("large seams, another office", 7, large_seams(), Trouble::None, 0.01),
+        of("large seams, a third office", 17, large_seams(), Trouble::None, 0.01),
         of("rings", 5, spinning(), rings, 0.005),
         of("steps", 12, fine(), steps, 0.0),
         of("growing noise, unsaid", 13, fine(), grown, 0.001),
@@ -89,14 +90,11 @@ fn changes() -> impl IntoIterator<Item = (&'static str, Change)> {
     ]
 }
 
-/// What shows in recorded scans alone: a scanner that goes on by ten to twenty of its steps at once.
-const SILENT: [&str; 1] = ["turn_alone_most times 2"];
-
 #[test]
 fn each_number_shows() {
     let cases = cases();
     let found: Vec<_> = cases.iter().map(|case| case.labels(&Rules::TUNED)).collect();
-    let mut silent = Vec::new();
+    let mut silent = Vec::<String>::new();
     for (name, change) in changes() {
         for by in [0.5, 2.0] {
             let mut rules = Rules::TUNED;
@@ -107,7 +105,7 @@ fn each_number_shows() {
             }
         }
     }
-    assert_eq!(silent, SILENT, "what shows in no scan");
+    assert!(silent.is_empty(), "shows in no scan: {silent:?}");
 }
 
 /// What is found, so that a number that changed fails.

@@ -63,7 +63,7 @@ fn the_share_is_found() {
 #[test]
 fn the_share_on_record() {
     let found = DISTANCES_M.map(|distances_m| told(&seen(Kind::Tilting, 1.02, distances_m, 0).0));
-    assert_eq!(found, [0.021096192, 0.020933779, 0.020697866]);
+    assert_eq!(found, [0.019780861, 0.02067995, 0.019856302]);
 }
 
 /// Nine of ten pixels of each large wall have one label. (Of 26 walls all do; 7 and 5 at 3 % too much and too little if
