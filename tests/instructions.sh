@@ -101,7 +101,7 @@ done <<'SCENES'
 vegetation|1465|vegetation: leaves of 5 x 3 pixels at 2 to 8 m, gaps at 12 m
 combs|1125|combs: strips of three columns at 2 m and 4 m in turn
 chess-board|485|chess-board: a return at 2 m in every second pixel
-noise|1950|noise alone: each pixel anywhere from 1 to 5 m
+noise|2000|noise alone: each pixel anywhere from 1 to 5 m
 third|310|a wall at 3 m whose noise is stated at a third
 SCENES
 $good
