@@ -43,40 +43,42 @@ fn every_option_of_the_configuration_is_used() {
             json(folder.join("out/segments.json"))["header"].clone(),
         )
     };
-    let (plain, _) = labels("");
-    for option in ["--range-noise-m 0.1", "--min-range-m 1.5", "--max-range-m 2", "--max-labels 2", "--preset paper"] {
-        let (changed, header) = labels(option);
-        assert_ne!(changed, plain, "{option}");
-        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
-    }
-    let (plain, _) = labels("--preset paper");
-    for option in [
-        "--min-range-m 1.5",
-        "--max-range-m 2",
-        "--roof-angle-deg 3",
-        "--step-angle-deg 30",
-        "--traces row",
-        "--closing square",
-        "--max-labels 2",
+    let each_shows = |approach: &str, options: &[&str]| {
+        let (plain, _) = labels(approach);
+        for option in options {
+            let (changed, header) = labels(&format!("{approach} {option}"));
+            assert_ne!(changed, plain, "{option}");
+            assert_eq!(header["unlabelled_pixels"] != 0, *option == "--max-labels 2", "{option}");
+        }
+    };
+    each_shows(
+        "",
+        &["--range-noise-m 0.1", "--min-range-m 1.5", "--max-range-m 2", "--max-labels 2", "--preset paper"],
+    );
+    each_shows(
+        "--preset paper",
+        &[
+            "--min-range-m 1.5",
+            "--max-range-m 2",
+            "--roof-angle-deg 3",
+            "--step-angle-deg 30",
+            "--traces row",
+            "--closing square",
+            "--max-labels 2",
+            "--approach region",
+        ],
+    );
+    each_shows(
         "--approach region",
-    ] {
-        let (changed, header) = labels(&format!("--preset paper {option}"));
-        assert_ne!(changed, plain, "{option}");
-        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
-    }
-    let (plain, _) = labels("--approach region");
-    for option in [
-        "--range-noise-m 0.1",
-        "--min-range-m 1.5",
-        "--max-range-m 2",
-        "--line-angle-deg 60",
-        "--plane-distance-m 0.2",
-        "--max-labels 2",
-    ] {
-        let (changed, header) = labels(&format!("--approach region {option}"));
-        assert_ne!(changed, plain, "{option}");
-        assert_eq!(header["unlabelled_pixels"] != 0, option == "--max-labels 2", "{option}");
-    }
+        &[
+            "--range-noise-m 0.1",
+            "--min-range-m 1.5",
+            "--max-range-m 2",
+            "--line-angle-deg 60",
+            "--plane-distance-m 0.2",
+            "--max-labels 2",
+        ],
+    );
 
     // the geometry file's values hold where there is no option
     let geometry = fs::read_to_string(folder.join("geometry.toml")).unwrap();

@@ -51,8 +51,8 @@ pub(crate) const MEETS: f32 = 0.01;
 /// Tangent by which lines are taken to lean across the row until they have a plane: 72 deg.
 pub(crate) const LEAN: f32 = 3.0;
 
-/// The same of a line that begins an area, for what the turn of its row does to it: 45 deg. At 72 deg
-/// turns that are off cost a point more, and so do offices.
+/// The same of a line that begins an area, for what the turn of its row does to it: 45 deg. 72 deg finds
+/// up to a point less in offices.
 pub(crate) const ALONE_LEAN: f32 = 1.0;
 
 /// Of the variance of what a row is off by, what is left after its correction.
