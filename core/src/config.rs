@@ -34,7 +34,8 @@ pub struct Ranging {
     pub noise_correlation_px: f32,
     /// Standard deviation of the direction of a beam within its row, radians; 0 to 0.1.
     pub beam_noise_rad: f32,
-    /// Standard deviation of the turn angle of a row, radians; 0 to 0.1. Nodding scanners only.
+    /// Standard deviation of the turn angle of a row, radians; 0 to 0.1. Nodding scanners only. Rows that
+    /// tell it better count for more and more.
     pub turn_noise_rad: f32,
     /// Surfaces are flat to this, one standard deviation across the plane, metres; 0 to 10.
     pub flatness_m: f32,
