@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use scanseg_formats::RangeImage;
-use scanseg_sim::office::{Scene, Sensor, Set};
+use scanseg_sim::office::{Scene, Sensor, Set, SimulatedScan, Trouble};
 
 use crate::program::{fails, folder, scanseg};
 
@@ -13,7 +13,11 @@ use crate::program::{fails, folder, scanseg};
 /// about noise.
 fn scan(folder: &Path) -> String {
     let sensor = Sensor { range_noise_m: 0.005, ..Sensor::nodding(100, 361) };
-    let scan = Scene::numbered(Set::Tuning, 1).scan(&sensor, 0).unwrap();
+    image_of(folder, Scene::numbered(Set::Tuning, 1).scan(&sensor, 0).unwrap())
+}
+
+/// The same of any scan.
+fn image_of(folder: &Path, scan: SimulatedScan) -> String {
     let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
     fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
     let lines = scan.geometry.to_toml();
@@ -75,6 +79,18 @@ fn stated_noise_that_does_not_fit_is_warned_of() {
     }
     let (line, warned) = said(&folder, &geometry, "--range-noise-m 0.05");
     assert!(line.starts_with("noise: 50.") && warned.contains("a noise of 50.0 mm is stated"), "{line} {warned}");
+}
+
+#[test]
+fn pixels_that_err_alike_are_told() {
+    let folder = folder("noise-alike");
+    let trouble = Trouble::DisparitySteps { step_per_m: 1e-6, noise_per_m: 0.001, alike_px: 5 };
+    let scan = Scene::numbered(Set::Tuning, 1).troubled_scan(&Sensor::pinhole(60, 640), trouble, 0).unwrap();
+    let geometry = image_of(&folder, scan);
+    let (line, _) = said(&folder, &geometry, "");
+    assert!(line.ends_with("; none was stated; 4 pixels err alike"), "{line}");
+    let (line, _) = said(&folder, &format!("noise_correlation_px = 5\nrange_noise_per_m2 = 0.001\n{geometry}"), "");
+    assert!(line.ends_with(", as stated"), "{line}");
 }
 
 #[test]

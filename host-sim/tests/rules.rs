@@ -21,7 +21,7 @@ fn cases() -> Vec<Case> {
     let large_seams = || Sensor { turn_misreported_deg: 2.0, ..fine() };
     let off = Trouble::TurnOff { sd_deg: 0.3 };
     let rings = Trouble::RingOffsets { sd_m: 0.05 };
-    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005 };
+    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005, alike_px: 1 };
     let grown = Trouble::GrowingNoise { constant_m: 0.001, per_m2: 0.0015 };
     let missing = Trouble::Missing(Missing::Share(0.6));
     let of = |name, number, sensor: Sensor, trouble, noise_m| {

@@ -46,7 +46,7 @@ fn noise_grows_and_the_geometry_says_so() {
 
 #[test]
 fn disparities_come_in_steps() {
-    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005 };
+    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005, alike_px: 1 };
     let (plain, stepped) = (scan(Trouble::None), scan(steps));
     let offs: Vec<f64> = pairs(&plain, &stepped).map(|(_, a, b)| (1.0 / b - 1.0 / a) / 0.00285).collect();
     for (_, _, range) in pairs(&plain, &stepped) {
@@ -58,6 +58,22 @@ fn disparities_come_in_steps() {
     assert!((rms(offs.into_iter()) - expected).abs() < 0.02);
     let noise = stepped.geometry.noise;
     assert_eq!((noise.range_noise_per_m2, noise.range_step_per_m2), (0.0005, 0.00285));
+}
+
+/// The noise is as large as that of single pixels, and that of neighbours the more alike the nearer they are.
+#[test]
+fn disparities_that_are_alike() {
+    let of = |alike_px| scan(Trouble::DisparitySteps { step_per_m: 1e-6, noise_per_m: 0.001, alike_px });
+    let (plain, alike) = (scan(Trouble::None), of(4));
+    let errors: Vec<f64> = pairs(&plain, &alike).map(|(_, a, b)| (1.0 / b - 1.0 / a) / 0.001).collect();
+    assert!((rms(errors.iter().copied()) - 1.0).abs() < 0.1);
+    // a mean of 4 columns shares 3, 2, 1, and none with the next ones
+    for (apart, expected) in [(1, 0.75), (2, 0.5), (3, 0.25), (4, 0.0), (6, 0.0)] {
+        let products: f64 = errors.iter().zip(&errors[apart..]).map(|(a, b)| a * b).sum();
+        let correlation = products / errors.len() as f64;
+        assert!((correlation - expected).abs() < 0.12, "{apart} columns: {correlation}");
+    }
+    assert_eq!(alike.geometry.noise.noise_correlation_px, 4.0);
 }
 
 #[test]

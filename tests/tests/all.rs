@@ -1,5 +1,6 @@
 //! The tests of this folder, in one program: what they share is built once.
 
+mod alike;
 mod any;
 mod beam_stretch;
 mod checked;

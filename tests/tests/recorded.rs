@@ -23,12 +23,21 @@ fn recorded(file: &str) -> Option<PathBuf> {
 /// What the plane segmenter finds in a scan beside its geometry file; also as labels, 0 for none.
 /// At least `least_share` of the returns are in segments of 100 pixels and more.
 fn segment(set: &str, image: &str, geometry: &str, least_share: f64) -> Option<(Segmentation, Vec<u16>)> {
+    segment_with(set, image, geometry, least_share, |geometry| Ranging::new(geometry.range_noise_m.unwrap() as f32))
+}
+
+/// The same with other noise than the file states.
+fn segment_with(
+    set: &str,
+    image: &str,
+    geometry: &str,
+    least_share: f64,
+    ranging: impl Fn(&Geometry) -> Ranging,
+) -> Option<(Segmentation, Vec<u16>)> {
     let (image, geometry) = (recorded(&format!("{set}/{image}"))?, recorded(&format!("{set}/{geometry}"))?);
     let geometry = Geometry::read(geometry).unwrap();
     let scan = RangeImage::from_grey(&GreyImage::read(image).unwrap(), &geometry).unwrap();
-    // beyond 3 m the camera's depths come in steps of 12 mm and more
-    let noise_m = if set == "office1-kinect" { 0.012 } else { geometry.range_noise_m.unwrap() };
-    let config = PlaneConfig::new(Ranging::new(noise_m as f32));
+    let config = PlaneConfig::new(ranging(&geometry));
     let found = Segmentation::of(&scan, &geometry, config, None, || {}).unwrap();
     assert_eq!(found.unlabelled, 0, "{set}");
     let returns = scan.range_m.iter().filter(|&&range_m| range_m > 0.0).count();
@@ -120,12 +129,20 @@ fn street() {
     }
 }
 
+/// At 5 m its depths come in steps of 70 mm, and errors are alike over several pixels. The walls are whole where
+/// that is stated, and nearly so where it is not: 4 mm is the wrong constant of the geometry file.
 #[test]
 fn kinect() {
-    if let Some((found, _)) = segment("office1-kinect", "office1.depth_mm.pgm", "geometry.toml", 0.7) {
-        // at 5 m its depths come in steps of 70 mm
-        println!("{} segments of 3000 pixels", found.of_pixels(3000).len());
-        assert!(found.of_pixels(3000).len() >= 3 && found.of_pixels(100).len() < 400);
-        assert!(found.of_pixels(3000).iter().filter_map(Segment::plane).all(|plane| plane.rms_m < 0.07));
+    for (name, ranging, most) in
+        [("preset", Ranging::KINECT_V1, 50), ("unsaid", Ranging::new(0.0), 80), ("4 mm", Ranging::new(0.004), 120)]
+    {
+        let set = ("office1-kinect", "office1.depth_mm.pgm", "geometry.toml");
+        let Some((found, _)) = segment_with(set.0, set.1, set.2, 0.95, |_| ranging) else { return };
+        let [large, all] = [3000, 100].map(|pixels| found.of_pixels(pixels));
+        println!("{name}: {} segments of 3000 pixels", large.len());
+        assert!(large.len() >= 10 && all.len() < most, "{name}: {} and {}", large.len(), all.len());
+        assert!(large.iter().filter_map(Segment::plane).all(|plane| plane.rms_m < 0.08), "{name}");
+        let of_walls: u32 = large.iter().map(Segment::pixels).sum();
+        assert!(of_walls > 200_000, "{name}: {of_walls}");
     }
 }

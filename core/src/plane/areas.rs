@@ -37,6 +37,8 @@ pub(crate) struct Areas<'a> {
     pub bridge: [u16; 2],
     /// Variance of the turn angle of a row, rad^2.
     pub turn_rad2: f32,
+    /// Measurements that a pixel is: 1, less where neighbours err alike.
+    pub share: f32,
     /// The axis about which rows turn; 0 where they do not.
     pub axis: [f32; 3],
     /// The last turn between two areas that was not reported, radians.
@@ -65,6 +67,7 @@ impl<'a> Areas<'a> {
             row: 0,
             bridge: [0, 0],
             turn_rad2: 0.0,
+            share: 1.0,
             axis,
             seam_rad: None,
             round,
@@ -118,6 +121,14 @@ impl<'a> Areas<'a> {
         }
     }
 
+    /// Takes a pixel for so many measurements, those of the areas so far as well.
+    pub fn weigh(&mut self, share: f32) {
+        let change = share / core::mem::replace(&mut self.share, share);
+        if change.to_bits() != 1.0f32.to_bits() {
+            self.change_planes(|_, fitted| fitted.weighed(change));
+        }
+    }
+
     pub fn marks(&self, slot: u16) -> Marks {
         Marks::of(self.get(slot))
     }
@@ -136,8 +147,14 @@ impl<'a> Areas<'a> {
     #[inline]
     pub fn plane(&self, slot: u16) -> Option<[f32; 3]> {
         let area = self.table.get(usize::from(slot))?;
-        let smooth = area.squares() <= self.rules.rough * area.points as f32 + self.rules.rough_by_chance;
+        let smooth =
+            area.squares() <= self.rules.rough * (self.share * area.points as f32) + self.rules.rough_by_chance;
         (area.frontier > area.first_row && smooth).then(|| area.m())
+    }
+
+    /// Measurements of an area: its points, those that err alike counted once.
+    pub fn measurements(&self, slot: u16) -> f32 {
+        self.share * self.get(slot).points as f32
     }
 
     /// Rows and points of an area.

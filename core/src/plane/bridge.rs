@@ -104,8 +104,8 @@ impl Areas<'_> {
     fn may_meet(&self, piece: &Piece, other: u16) -> bool {
         let rules = self.rules;
         let candidate = self.fitted(other);
-        let points = piece.points as f32;
-        let small = self.get(other).points.min(piece.points) as f32;
+        let points = self.share * piece.points as f32;
+        let small = self.measurements(other).min(points);
         let wobble = if self.turn_rad2 > 0.0 { rules.most_wobble } else { 0.0 };
         let (by_chance, near) =
             (rules.chance + (rules.uneven + wobble) * small, rules.chance + (1.0 + rules.bent) * points);

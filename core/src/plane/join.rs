@@ -60,10 +60,10 @@ impl Areas<'_> {
         }
         let line = &self.without_turn(line, self.has_plane(slot).then(|| self.m(slot)));
         let common = self.fitted(slot).with(line);
-        let n = points as f32;
+        let n = self.share * points as f32;
         let badly = common.one + common.other;
         let wobble = self.wobble(&line.sums, common.fitted.m, n) * n;
-        let few = (self.get(slot).points as f32).min(4.0 * n);
+        let few = self.measurements(slot).min(4.0 * n);
         let limit = n.max(line.squares + self.rules.chance) + self.rules.uneven * few + wobble;
         (badly + line.squares < limit).then_some((badly, common.fitted))
     }
@@ -71,7 +71,7 @@ impl Areas<'_> {
     /// The plane of two areas if they are one surface.
     pub fn common(&self, one: u16, other: u16) -> Option<Fitted> {
         let rules = self.rules;
-        let [n1, n2] = [one, other].map(|slot| self.get(slot).points as f32);
+        let [n1, n2] = [one, other].map(|slot| self.measurements(slot));
         let (one, other) = (self.fitted(one), self.fitted(other));
         let common = one.with(&other);
         let wobble1 = self.wobble(&one.sums, common.fitted.m, n1);
@@ -116,7 +116,7 @@ impl Areas<'_> {
         if self.axis == [0.0; 3] || !large(one) || !large(later) {
             return None;
         }
-        let small = self.get(one).points.min(self.get(later).points) as f32;
+        let small = self.measurements(one).min(self.measurements(later));
         let (one, later) = (self.fitted(one), self.fitted(later));
         let (turn_rad, common, added) = one.with_off(&later, cross(self.axis, later.m));
         let explained = turn_rad.abs() < rules.seam_rad && added < rules.chance + rules.seam_uneven * small;

@@ -2,6 +2,7 @@
 //! They are 0 on any plane.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
+use crate::plane::alike::Alike;
 use crate::plane::noise::Variance;
 use crate::plane::rules::{LEAN, Rules};
 use crate::plane::scanline::Scanline;
@@ -40,6 +41,10 @@ const STEP_SIZES: usize = 6;
 const FEWEST_STEPPED: u16 = 200;
 /// Of a chunk every so many second differences count.
 const STRIDE: usize = 3;
+/// Squares of second differences across edges are larger, in units of the noise.
+const EDGE_SQUARE: f32 = 9.0;
+/// Smaller squares, in units of what was stated, are no noise: their sign is rounding.
+const NO_SQUARE: f32 = 1.0 / 256.0;
 
 /// The biased exponent of a number that is not negative.
 fn exponent(x: f32) -> usize {
@@ -57,14 +62,15 @@ pub(crate) struct Measured {
     totals: [u16; CLASSES],
     /// Mean range of each class, metres.
     means_m: [f32; CLASSES],
+    alike: Alike,
 }
 
 impl Measured {
     pub const NONE: Measured =
-        Measured { counts: [[0; STEPS]; CLASSES], totals: [0; CLASSES], means_m: [0.0; CLASSES] };
+        Measured { counts: [[0; STEPS]; CLASSES], totals: [0; CLASSES], means_m: [0.0; CLASSES], alike: Alike::NONE };
 
     /// Takes second differences of a row whose `variance` is the stated one.
-    pub fn look_at(&mut self, row: &Scanline, number: usize) {
+    pub fn look_at(&mut self, row: &Scanline, number: usize, rules: &Rules) {
         // of so many chunks, as a power of 2, one is looked at: fewer when much is known
         let shift = match self.all() {
             0..500 => 0,
@@ -75,12 +81,12 @@ impl Measured {
         let mut from = (number & ((1 << shift) - 1)) * CHUNK;
         while from < row.ranges_m.len() {
             row.lanes(from, &mut lanes);
-            self.look_at_chunk(row, &lanes);
+            self.look_at_chunk(row, &lanes, rules);
             from += CHUNK << shift;
         }
     }
 
-    fn look_at_chunk(&mut self, row: &Scanline, lanes: &Lanes) {
+    fn look_at_chunk(&mut self, row: &Scanline, lanes: &Lanes, rules: &Rules) {
         let (c, s) = (&lanes.cos, &lanes.sin);
         let sine = |to: usize, from: usize| s[to] * c[from] - c[to] * s[from];
         // free beams without a return may point anywhere
@@ -89,7 +95,7 @@ impl Measured {
         let step = sine((first + 1) % CHUNK, first % CHUNK).abs();
         let ahead = REACHES.into_iter().find(|&n| n as f32 * step < REACH_RAD).unwrap_or(2);
         let inverse = lanes.range_m.map(|r| if r > 0.0 { 1.0 / r } else { 0.0 });
-        let mut squares = [-1.0f32; CHUNK];
+        let (mut squares, mut signed) = ([-1.0f32; CHUNK], [0.0f32; CHUNK]);
         for i in (ahead..CHUNK - ahead).map(|i| i % CHUNK) {
             if !VECTORS && !(i - ahead).is_multiple_of(STRIDE) {
                 continue;
@@ -105,12 +111,33 @@ impl Measured {
             let expected = row.variance.at(range_m) * (alpha * alpha + beta * beta + gamma * gamma) + lean_m * lean_m;
             let all = (lanes.range_m[l] > 0.0) & (lanes.range_m[r] > 0.0) & (range_m > 0.0);
             squares[i] = if all { d * d * square_m2 * square_m2 / expected } else { -1.0 };
+            signed[i] = d;
+        }
+        if ahead == REACHES[0] {
+            self.look_for_alike(&squares, &signed, &lanes.range_m, rules);
         }
         for (square, range_m) in squares.iter().zip(lanes.range_m).skip(ahead).step_by(STRIDE) {
             if *square >= 0.0 {
                 self.add(*square, range_m);
             }
         }
+    }
+
+    /// Takes the signs of second differences over the farthest reach: of those that are neither about 0
+    /// nor across an edge.
+    fn look_for_alike(&mut self, squares: &[f32; CHUNK], signed: &[f32; CHUNK], range_m: &[f32; CHUNK], rules: &Rules) {
+        let most: [Option<f32>; CLASSES] = core::array::from_fn(|class| self.factor(class, rules));
+        let above_0: [Option<bool>; (CHUNK - 2 * REACHES[0]).div_ceil(STRIDE)] = core::array::from_fn(|n| {
+            let i = (REACHES[0] + n * STRIDE) % CHUNK;
+            let noise = most[class_of(range_m[i])].is_some_and(|factor| squares[i] < EDGE_SQUARE * factor);
+            (noise && squares[i] > NO_SQUARE).then_some(signed[i] > 0.0)
+        });
+        self.alike.look_at(above_0);
+    }
+
+    /// Pixels along a row, and down a column, that err alike: those stated, or more.
+    pub fn alike_px(&self, stated_px: f32) -> f32 {
+        self.alike.pixels(stated_px)
     }
 
     /// Takes the square of a second difference, in units of what was stated, at a range.

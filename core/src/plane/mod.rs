@@ -1,5 +1,6 @@
 //! The default: planes that go on from row to row.
 
+mod alike;
 mod areas;
 mod borders;
 mod bridge;

@@ -90,6 +90,13 @@ impl Fitted {
         Fitted { sums, m, ..*self }
     }
 
+    /// The same points, each weighing so many times as much.
+    pub(crate) fn weighed(&self, by: f32) -> Fitted {
+        let Sums { w, all, c, s } = self.sums;
+        let sums = Sums { w: by * w, all: by * all, c, s: s.map(|s| by * s) };
+        Fitted { sums, squares: by * self.squares, ..*self }
+    }
+
     /// The plane of a line or other first points; their errors are against the plane m.
     pub(crate) fn first(sums: Sums, m: [f32; 3], errors: &Errors) -> Fitted {
         let (d, saved) = sums.factor(prior(dot(sums.c, m), LINE_TAN)).solve(errors);

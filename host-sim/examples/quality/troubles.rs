@@ -52,7 +52,10 @@ fn lines() -> Vec<Line> {
     let nodding = || Sensor::nodding(200, 361);
     let spinning = || noisy(Sensor::spinning(128, 1024));
     let grown = Trouble::GrowingNoise { constant_m: 0.001, per_m2: 0.0015 };
-    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005 };
+    let steps = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.0005, alike_px: 1 };
+    let camera = || Sensor::pinhole(480, 640);
+    let patches = Trouble::DisparitySteps { step_per_m: 0.00285, noise_per_m: 0.00116, alike_px: 5 };
+    let constant: fn(Ranging) -> Ranging = |_| Ranging::new(0.004);
     let silent: fn(Ranging) -> Ranging = |_| Ranging::new(0.0);
     let rings = Trouble::RingOffsets { sd_m: 0.02 };
     let off = Trouble::TurnOff { sd_deg: 0.3 };
@@ -69,6 +72,10 @@ fn lines() -> Vec<Line> {
         Line { said: silent, ..Line::new("1 mm + 1.5 mm r^2, unsaid", grown) },
         Line::new("steps 2.85 mm r^2, stated", steps),
         Line { said: silent, ..Line::new("steps 2.85 mm r^2, unsaid", steps) },
+        Line { sensor: camera(), ..Line::new("Kinect v1, stated", patches) },
+        Line { sensor: camera(), said: constant, ..Line::new("Kinect v1, 4 mm stated", patches) },
+        Line { sensor: camera(), said: silent, ..Line::new("Kinect v1, unsaid", patches) },
+        Line { sensor: noisy(camera()), ..Line::new("camera 480 x 640", Trouble::None) },
         Line::new("mixed pixels, 30 % of edges", Trouble::MixedPixels { probability: 0.3 }),
         Line::new("turns 0.3 deg off, unsaid", off),
         Line { said: |r| r.with_turn_noise_rad(0.3 * RADIAN), ..Line::new("turns 0.3 deg off, stated", off) },

@@ -12,12 +12,17 @@ const FAINT: f32 = 0.25;
 
 /// Returns the noise that was used and where it is from, in one line.
 pub fn used(config: &AnyConfig<'_>, stated: bool, found: Option<FoundNoise>) -> String {
+    let alike = found.map(|found| found.correlation_px).filter(|&px| px > config.ranging().noise_correlation_px);
+    size(config, stated, found) + &alike.map_or_else(String::new, |px| format!("; {px} pixels err alike"))
+}
+
+fn size(config: &AnyConfig<'_>, stated: bool, found: Option<FoundNoise>) -> String {
     let Some(found) = found else {
         let mm = 1e3 * config.ranging().range_noise_m;
         let whence = if stated { "stated" } else { "assumed; none was stated" };
         return format!("noise: {mm:.1} mm {whence}");
     };
-    let FoundNoise { range_m, counted_m, measured_m } = found;
+    let FoundNoise { range_m, counted_m, measured_m, .. } = found;
     let (mm, stated_m) = (1e3 * counted_m, stated_noise_m(&config.ranging(), range_m));
     let measured = counted_m > 1.01 * at_least(stated_m);
     match (stated, measured) {
@@ -36,7 +41,7 @@ pub fn used(config: &AnyConfig<'_>, stated: bool, found: Option<FoundNoise>) -> 
 
 /// Returns what to say if the noise that was stated does not fit that measured.
 pub fn suspicion(name: &str, config: &AnyConfig<'_>, stated: bool, found: Option<FoundNoise>) -> Option<String> {
-    let FoundNoise { range_m, counted_m, measured_m } = found.filter(|_| stated)?;
+    let FoundNoise { range_m, counted_m, measured_m, .. } = found.filter(|_| stated)?;
     let (stated_m, measured_m) = (stated_noise_m(&config.ranging(), range_m), measured_m?);
     let measured = if counted_m > MORE * at_least(stated_m) {
         format!("{:.1} mm", 1e3 * counted_m)

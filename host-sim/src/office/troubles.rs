@@ -26,6 +26,8 @@ pub enum Trouble {
         step_per_m: f64,
         /// Standard deviation of 1 / range before it is rounded, 1 / m.
         noise_per_m: f64,
+        /// Rows and columns over which that error is a mean, as cameras match patches: 1 for none.
+        alike_px: usize,
     },
     /// [`Sensor::mixed_pixels`] that are no part of the truth.
     MixedPixels {
@@ -103,14 +105,19 @@ impl Scene {
                 scan.geometry.range_noise_m = Some(constant_m);
                 scan.geometry.noise = Noise { range_noise_per_m2: per_m2, ..scan.geometry.noise };
             }
-            Trouble::DisparitySteps { step_per_m, noise_per_m } => {
-                let mut rng = self.stream(seed, RANGES);
-                each(&mut scan, |_, range| {
-                    1.0 / (((1.0 / range + rng.normal() * noise_per_m) / step_per_m).round() * step_per_m)
+            Trouble::DisparitySteps { step_per_m, noise_per_m, alike_px } => {
+                let errors = alike((scan.rows, scan.columns), alike_px, self.stream(seed, RANGES));
+                let columns = scan.columns;
+                each(&mut scan, |(row, column), range| {
+                    let disparity = 1.0 / range + errors[row * columns + column] * noise_per_m;
+                    1.0 / ((disparity / step_per_m).round() * step_per_m)
                 });
-                let noise = scan.geometry.noise;
-                let (range_noise_per_m2, range_step_per_m2) = (noise_per_m, step_per_m);
-                scan.geometry.noise = Noise { range_noise_per_m2, range_step_per_m2, ..noise };
+                scan.geometry.noise = Noise {
+                    range_noise_per_m2: noise_per_m,
+                    range_step_per_m2: step_per_m,
+                    noise_correlation_px: alike_px as f64,
+                    ..scan.geometry.noise
+                };
             }
             Trouble::RingOffsets { sd_m } => {
                 let mut rng = self.stream(seed, RINGS);
@@ -180,6 +187,15 @@ fn bend(kind: &mut Kind, sensor: &Sensor, trouble: Trouble, mut rng: Rng) {
         Trouble::BearingScale(scale) => *beam_deg = list(beam_deg, sensor.columns, &mut |deg| deg * scale),
         _ => {}
     }
+}
+
+/// Errors of variance 1 for an image of so many rows and columns, each the mean of `size` x `size` neighbours.
+fn alike((rows, columns): (usize, usize), size: usize, mut rng: Rng) -> Vec<f64> {
+    let wide = columns + size - 1;
+    let single: Vec<f64> = (0..wide * (rows + size - 1)).map(|_| rng.normal()).collect();
+    let along: Vec<f64> = single.chunks(wide).flat_map(|row| row.windows(size).map(|near| near.iter().sum())).collect();
+    let down = |at: usize| (0..size).map(|row| along[at + row * columns]).sum::<f64>() / size as f64;
+    (0..rows * columns).map(down).collect()
 }
 
 /// Changes each range, metres, by its row and column. What is not above 0, or infinite, is no

@@ -12,6 +12,9 @@ pub struct FoundNoise {
     pub counted_m: f32,
     /// What the scan alone tells; none if it has too few returns.
     pub measured_m: Option<f32>,
+    /// Pixels along rows and columns whose errors counted as one:
+    /// [`scanseg_core::PlaneSegmenter::noise_correlation_px`].
+    pub correlation_px: f32,
 }
 
 impl FoundNoise {
@@ -26,7 +29,8 @@ impl FoundNoise {
         let middle = returns.len() / 2;
         let range_m = *returns.select_nth_unstable_by(middle, f32::total_cmp).1;
         let (counted_m, measured_m) = (segmenter.range_noise_m(range_m), segmenter.measured_noise_m(range_m));
-        Some(FoundNoise { range_m, counted_m, measured_m })
+        let correlation_px = segmenter.noise_correlation_px();
+        Some(FoundNoise { range_m, counted_m, measured_m, correlation_px })
     }
 }
 
