@@ -21,7 +21,11 @@ fn image_of(folder: &Path, scan: SimulatedScan) -> String {
     let ranges = RangeImage { rows: scan.rows, columns: scan.columns, range_m: scan.range_m };
     fs::write(folder.join("scan.pgm"), ranges.to_grey(&scan.geometry).unwrap().to_pgm()).unwrap();
     let lines = scan.geometry.to_toml();
-    lines.lines().filter(|line| !line.contains("noise")).map(|line| format!("{line}\n")).collect()
+    lines
+        .lines()
+        .filter(|line| !line.contains("noise") && !line.contains("range_step"))
+        .map(|line| format!("{line}\n"))
+        .collect()
 }
 
 /// Returns what `segment` says of the noise, and what it warns of.
