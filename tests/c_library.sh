@@ -25,6 +25,9 @@ done
 sanitizes() { echo 'int main(void) { return 0; }' | $1 -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null; }
 ! have clang || sanitizes clang || install "libclang-rt-$(clang -dumpversion | cut -d. -f1)-dev" || true
 
+(cd "$root" && quiet cargo test --quiet -p scanseg-capi-tests --features header)
+echo "the header is that of the crate"
+
 "$capi/build.sh" "$lib"
 
 # nothing but our names goes out, and of C nothing but copying comes in: not even `abort`, for there is no panic

@@ -11,7 +11,7 @@ skip() { echo "skipped: images on embassy: $*"; exit 0; }
 targets thumbv7em-none-eabihf thumbv8m.main-none-eabihf || skip "rustup has no targets"
 cargo fetch --quiet --locked 2>/dev/null || skip "their crates could not be downloaded"
 
-cargo clippy --quiet --locked -- -D warnings
+cargo clippy --release --quiet --locked -- -D warnings
 image() { # name target
     cargo build --quiet --locked --release --bin "$1" --features "$1" --target "$2"
     size "$CARGO_TARGET_DIR/$2/release/$1" | {

@@ -13,12 +13,13 @@ build=(cargo build)
 compiler=rustc
 if targets thumbv6m-none-eabi thumbv7em-none-eabihf; then
     cargo clippy --quiet --workspace --exclude scanseg-firmware --all-targets -- -D warnings
+    # as the images are built, so that their macros are built once
     for framework in rtic embassy; do
-        cargo clippy --quiet --bin $framework --features $framework --target thumbv7em-none-eabihf -- -D warnings
+        cargo clippy --release --quiet --bin $framework --features $framework --target thumbv7em-none-eabihf -- -D warnings
     done
     for features in "" region plane figures defmt; do
-        cargo clippy --quiet --bin mps2 --features "$features" --target thumbv7em-none-eabihf -- -D warnings
-        cargo clippy --quiet --bin microbit --features "$features" --target thumbv6m-none-eabi -- -D warnings
+        cargo clippy --release --quiet --bin mps2 --features "$features" --target thumbv7em-none-eabihf -- -D warnings
+        cargo clippy --release --quiet --bin microbit --features "$features" --target thumbv6m-none-eabi -- -D warnings
     done
 elif install rustc-web cargo-web rust-web-src lld; then
     compiler=/usr/bin/rustc
@@ -28,7 +29,7 @@ else
     echo "no bare-metal targets: neither rustup nor Debian's packages gave them"
     exit 1
 fi
-cargo test --quiet --release -p m0-float
+CARGO_PROFILE_RELEASE_LTO=off cargo test --quiet --release -p m0-float # one crate: nothing to gain by LTO
 
 images=$(mktemp -d)
 trap 'rm -rf "$images"' EXIT

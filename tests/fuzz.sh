@@ -12,8 +12,7 @@ seed=${2:-$((RANDOM * 32768 + RANDOM + 1))}
 skip() { echo "skipped: $*"; exit 0; }
 # Instrumented builds want a nightly compiler.
 toolchain nightly || skip "fuzzing: no nightly Rust, and it could not be installed"
-cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --locked --debug cargo-fuzz ||
-    skip "fuzzing: no cargo-fuzz, and it could not be installed"
+cargo_command cargo-fuzz 0.13.2 || skip "fuzzing: no cargo-fuzz, and it could not be installed"
 
 # Those with `unsafe`, and those whose inputs claim memory, run under AddressSanitizer. For the others it would only take
 # time, and so would tracing every comparison: fuzz/README.md.

