@@ -29,7 +29,7 @@ else
     echo "no bare-metal targets: neither rustup nor Debian's packages gave them"
     exit 1
 fi
-CARGO_PROFILE_RELEASE_LTO=off cargo test --quiet --release -p m0-float # one crate: nothing to gain by LTO
+CARGO_PROFILE_RELEASE_LTO=off cargo test --quiet --release -p m0-float -p small-memory # two crates: nothing to gain by LTO
 
 images=$(mktemp -d)
 trap 'rm -rf "$images"' EXIT
@@ -37,8 +37,10 @@ mkdir "$images/tape"
 cargo run --quiet -p firmware-check -- --tape "$images/tape"
 export SCANSEG_TAPE=$images/tape
 image() { # name target features file
-    "${build[@]}" --quiet --release --bin "$1" --target "$2" --features "$3"
-    cp "$CARGO_TARGET_DIR/$2/release/$1" "$images/$4"
+    local profile=release
+    case $2,$3 in thumbv6m-*,plane*) profile=small ;; esac
+    "${build[@]}" --quiet --profile $profile --bin "$1" --target "$2" --features "$3"
+    cp "$CARGO_TARGET_DIR/$2/$profile/$1" "$images/$4"
 }
 for features in defmt figures region,figures plane,figures region plane ""; do
     suffix=${features:+-${features/,/-}}

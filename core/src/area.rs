@@ -118,6 +118,9 @@ impl Area {
         Fitted::from_numbers(numbers.map(f32::from_bits))
     }
 
+    /// Plane: changes it. Called on a microcontroller: each copy is 80 bytes.
+    #[cfg_attr(not(target_os = "none"), inline)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn set_fitted(&mut self, fitted: &Fitted) {
         for (to, number) in self.store.iter_mut().zip(fitted.numbers()) {
             *to = number.to_bits();

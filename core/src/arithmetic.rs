@@ -31,6 +31,9 @@ impl Real for f64 {
     }
 }
 
+/// Called where floats are software, as [`plus`] and [`cross`]: five calls in each of a hundred places become one, 1.5 KB less
+/// for 0.4 % more instructions.
+#[cfg_attr(all(target_os = "none", target_abi = "eabi"), inline(never))]
 pub(crate) fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -42,13 +45,15 @@ pub(crate) fn less(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 }
 
 /// a + k b.
-#[inline(always)]
+#[cfg_attr(not(all(target_os = "none", target_abi = "eabi")), inline(always))]
+#[cfg_attr(all(target_os = "none", target_abi = "eabi"), inline(never))]
 pub(crate) fn plus(a: [f32; 3], k: f32, b: [f32; 3]) -> [f32; 3] {
     [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
 }
 
 /// a x b.
-#[inline(always)]
+#[cfg_attr(not(all(target_os = "none", target_abi = "eabi")), inline(always))]
+#[cfg_attr(all(target_os = "none", target_abi = "eabi"), inline(never))]
 pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -70,6 +75,13 @@ pub(crate) fn inverse_sqrt(x: f32) -> f32 {
         y *= 1.5 - half * y * y;
     }
     y
+}
+
+/// [`inverse_sqrt`] where it is not needed for each pixel: called on a microcontroller, it is there once.
+#[cfg_attr(not(target_os = "none"), inline)]
+#[cfg_attr(target_os = "none", inline(never))]
+pub(crate) fn lone_inverse_sqrt(x: f32) -> f32 {
+    inverse_sqrt(x)
 }
 
 /// Cosine and sine of an angle within +-6300 radians, to 9e-8. Without a branch or a call, so that loops

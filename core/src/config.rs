@@ -127,19 +127,17 @@ impl Ranging {
 
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         let Ranging { min_range_m, max_range_m, .. } = *self;
-        for (field, value, least, most) in [
-            ("range_noise_m", self.range_noise_m, 0.0, 10.0),
-            ("range_noise_per_m", self.range_noise_per_m, 0.0, 1.0),
-            ("range_noise_per_m2", self.range_noise_per_m2, 0.0, 1.0),
-            ("range_step_m", self.range_step_m, 0.0, 10.0),
-            ("range_step_per_m2", self.range_step_per_m2, 0.0, 1.0),
-            ("noise_correlation_px", self.noise_correlation_px, 1.0, 100.0),
-            ("beam_noise_rad", self.beam_noise_rad, 0.0, 0.1),
-            ("turn_noise_rad", self.turn_noise_rad, 0.0, 0.1),
-            ("flatness_m", self.flatness_m, 0.0, 10.0),
-        ] {
-            within(field, value, (least..=most).contains(&value))?;
-        }
+        // no table: of settings that are constant a compiler checks all, and none of it is in an image
+        let from_to = |field, value, least: f32, most: f32| within(field, value, (least..=most).contains(&value));
+        from_to("range_noise_m", self.range_noise_m, 0.0, 10.0)?;
+        from_to("range_noise_per_m", self.range_noise_per_m, 0.0, 1.0)?;
+        from_to("range_noise_per_m2", self.range_noise_per_m2, 0.0, 1.0)?;
+        from_to("range_step_m", self.range_step_m, 0.0, 10.0)?;
+        from_to("range_step_per_m2", self.range_step_per_m2, 0.0, 1.0)?;
+        from_to("noise_correlation_px", self.noise_correlation_px, 1.0, 100.0)?;
+        from_to("beam_noise_rad", self.beam_noise_rad, 0.0, 0.1)?;
+        from_to("turn_noise_rad", self.turn_noise_rad, 0.0, 0.1)?;
+        from_to("flatness_m", self.flatness_m, 0.0, 10.0)?;
         within("max_range_m", max_range_m, max_range_m > 0.0 && max_range_m <= MAX_RANGE_M)?;
         within("min_range_m", min_range_m, min_range_m > 0.0 && min_range_m <= max_range_m)
     }

@@ -188,8 +188,7 @@ impl Pairing {
     /// radians a microsecond. `None` as [`Pairing::row`].
     pub(crate) fn at_age(&mut self, age_us: f32) -> Option<(f32, f32)> {
         let (before, after, start_us) = self.now.take()?;
-        let time_us = after.time_us - before.time_us;
-        let rate_rad_per_us = shorter_way(after.turn_rad - before.turn_rad) / time_us as f32;
+        let rate_rad_per_us = shorter_way(after.turn_rad - before.turn_rad) / apart_us(&before, &after);
         let after_age_us = after.time_us.wrapping_sub(start_us) as i64 as f32;
         Some((after.turn_rad - rate_rad_per_us * (after_age_us + age_us), rate_rad_per_us))
     }
@@ -209,7 +208,7 @@ impl Pairing {
     /// Returns the rate over the last samples, radians a second; `None` if there are not enough.
     pub(crate) fn rate_rad_per_s(&self) -> Option<f32> {
         let (before, after) = self.about(self.kept().last()?.time_us)?;
-        Some(shorter_way(after.turn_rad - before.turn_rad) / (1e-6 * (after.time_us - before.time_us) as f32))
+        Some(shorter_way(after.turn_rad - before.turn_rad) / (1e-6 * apart_us(&before, &after)))
     }
 
     fn kept(&self) -> &[Latch] {
@@ -221,6 +220,11 @@ impl Pairing {
     pub(crate) fn spacing_us(&self) -> u64 {
         u64::from(self.period_us) * 3 / 4
     }
+}
+
+/// Microseconds between two samples that are near enough to give the rate.
+fn apart_us(before: &Latch, after: &Latch) -> f32 {
+    (after.time_us - before.time_us) as u32 as f32
 }
 
 /// The turn angles of one row.

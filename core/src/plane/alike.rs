@@ -4,11 +4,11 @@
 //! plane they have one sign as often as not. Where errors are alike over more columns than that, they mostly have one
 //! sign. Where a surface is bent they have so 6 columns apart as well: what is alike there does not count.
 
-/// Pairs that must have been seen: 0.1 is then 3.5 standard errors of their share.
+/// Pairs that must have been seen: 10 percent are then 3.5 standard errors of their share.
 const FEWEST: u16 = 300;
-/// Share of pairs of one sign by which those 3 columns apart must exceed a half, and those 6 columns
-/// apart. White noise has 0, a Kinect has 0.15.
-const MORE: f32 = 0.1;
+/// Percent of pairs of one sign by which those 3 columns apart must exceed a half, and those 6 columns
+/// apart. White noise has 0, a Kinect has 15.
+const MORE: u32 = 10;
 /// Pixels that are then taken to err alike, along rows and down columns: as
 /// [`Ranging::KINECT_V1`](crate::Ranging::KINECT_V1) states it. With 3 a recorded scan of one has half
 /// as many segments more.
@@ -25,13 +25,16 @@ impl Pairs {
     const NONE: Pairs = Pairs { all: 0, same: 0 };
 
     fn add(&mut self, one: Option<bool>, other: Option<bool>) {
-        if let (Some(one), Some(other)) = (one, other) {
-            *self = Pairs { all: self.all.saturating_add(1), same: self.same + u16::from(one == other) };
+        if let (Some(one), Some(other)) = (one, other)
+            && self.all < u16::MAX
+        {
+            self.all += 1;
+            self.same += u16::from(one == other);
         }
     }
 
-    fn share(self) -> f32 {
-        f32::from(self.same) / f32::from(if self.all > 0 { self.all } else { 1 })
+    fn percent(self) -> u32 {
+        100 * u32::from(self.same) / u32::from(self.all).max(1)
     }
 }
 
@@ -46,16 +49,18 @@ pub(crate) struct Alike {
 impl Alike {
     pub const NONE: Alike = Alike { near: Pairs::NONE, far: Pairs::NONE, is_so: false };
 
-    /// Takes the signs of second differences every 3 columns; none of what is about 0, or no noise.
-    pub fn look_at<const N: usize>(&mut self, above_0: [Option<bool>; N]) {
+    /// Takes a second difference, after those 6 and 3 columns before it: whether each is above 0; none where
+    /// it is about 0, or no noise.
+    #[inline(never)]
+    pub fn look_at(&mut self, above_0: [Option<bool>; 3]) {
         if self.is_so {
             return;
         }
-        let [next, after] = [1, 2].map(|n| above_0.iter().skip(n));
-        next.zip(&above_0).for_each(|(&one, &other)| self.near.add(one, other));
-        after.zip(&above_0).for_each(|(&one, &other)| self.far.add(one, other));
-        let bent = if self.far.share() > 0.5 { self.far.share() } else { 0.5 };
-        self.is_so = self.near.all >= FEWEST && self.near.share() > bent + MORE;
+        let [first, before, last] = above_0;
+        self.far.add(first, last);
+        self.near.add(before, last);
+        let bent = self.far.percent().max(50);
+        self.is_so = self.near.all >= FEWEST && self.near.percent() > bent + MORE;
     }
 
     /// Pixels that err alike, at least those that are stated to.

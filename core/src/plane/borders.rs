@@ -131,5 +131,5 @@ impl Areas<'_> {
 fn nearer(q: f32, range_m: f32, row: &Scanline) -> Option<bool> {
     let relative = range_m * q - 1.0;
     let error_m = range_m * relative;
-    (error_m * error_m > BORDER_SQUARE * row.variance.at(range_m)).then_some(relative < 0.0)
+    (error_m * error_m > BORDER_SQUARE * row.variance.lone_at(range_m)).then_some(relative < 0.0)
 }

@@ -103,9 +103,12 @@ impl Areas<'_> {
     /// to be possible: quick, and never wrongly no.
     fn may_meet(&self, piece: &Piece, other: u16) -> bool {
         let rules = self.rules;
-        let candidate = self.fitted(other);
+        // not called, as `Areas::fitted` is: of this only some numbers are read
+        count(10);
+        let candidate = self.get(other).fitted();
         let points = self.share * piece.points as f32;
-        let small = self.measurements(other).min(points);
+        let small = self.measurements(other);
+        let small = if small < points { small } else { points };
         let wobble = if self.turn_rad2 > 0.0 { rules.most_wobble } else { 0.0 };
         let (by_chance, near) =
             (rules.chance + (rules.uneven + wobble) * small, rules.chance + (1.0 + rules.bent) * points);

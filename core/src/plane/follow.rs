@@ -55,7 +55,7 @@ pub(crate) fn follow(
     // copies: read once a row, not once a pixel
     let Rules { off_plane, left_price, leave_price, .. } = *areas.rules;
     let prices = Prices { off_plane, left: left_price, leave: leave_price, share: 1.0 / line.alike_px };
-    let (mut lanes, mut best) = (Lanes::EMPTY, Best::NONE);
+    let (mut lanes, mut best) = (Lanes::EMPTY, Best::EMPTY);
     // how much better the best way to be on a plane is than the best way to have left
     let mut ahead = leave_price;
     for (word, from) in (0..columns).step_by(CHUNK).enumerate() {
@@ -201,7 +201,8 @@ struct Best {
 }
 
 impl Best {
-    const NONE: Best = Best { errors: [FAR; CHUNK], slots: [NONE; CHUNK] };
+    /// To be filled: all zeros, which no image has to hold.
+    const EMPTY: Best = Best { errors: [0.0; CHUNK], slots: [0; CHUNK] };
 
     /// Of the planes of the neighbours above.
     fn of_chunk(&mut self, line: &Scanline, lanes: &Lanes, from: usize, above: &[u16], areas: &Areas, left2: f32) {

@@ -18,15 +18,6 @@ pub(crate) struct Grower<'r> {
 }
 
 impl Grower<'_> {
-    fn returns(&self, column: usize) -> bool {
-        at(self.returns, column / CHUNK) >> (column % CHUNK) & 1 == 1
-    }
-
-    /// The number of returns of a run.
-    fn points(&self, run: &Range<usize>) -> u32 {
-        count_bits(self.returns, run)
-    }
-
     /// Areas grow by the pixels that go on with their planes. Runs go across a few missing pixels.
     pub fn extend(&mut self, areas: &mut Areas, slots: &[u16]) {
         let columns = slots.len();
@@ -42,7 +33,7 @@ impl Grower<'_> {
                     || !across
                     || next >= columns
                     || at(slots, next) != slot
-                    || (end..next).any(|c| self.returns(c))
+                    || (end..next).any(|column| is_one(self.returns, column))
                 {
                     break;
                 }
@@ -53,7 +44,7 @@ impl Grower<'_> {
                 let mut fitted = areas.fitted(slot);
                 let (sums, errors) = self.line.sums(false, run.clone(), fitted.m, &mut self.cached);
                 fitted.extend(&sums, &errors);
-                areas.extend(slot, &run, &fitted, self.points(&run));
+                areas.extend(slot, &run, &fitted, count_bits(self.returns, &run));
             }
             start = end;
         }
@@ -71,35 +62,37 @@ impl Grower<'_> {
         cuts: &mut [u16],
     ) -> u32 {
         let (mut unlabelled, mut column) = (0, 0);
-        let line = self.line;
-        let mut cached = core::mem::replace(&mut self.cached, Cached::EMPTY);
-        while let Some(run) = self.free_run(free, column, slots.len()) {
+        let Self { line, returns, cached } = self;
+        while let Some(run) = free_run(line, returns, free, column) {
             column = run.end;
-            lines(run, line, areas.rules, cuts, &mut cached, |run, cached| {
+            lines(run, line, areas.rules, cuts, cached, |run, cached| {
                 let fitted = line.fitted(run.clone(), cached);
-                let points = self.points(&run);
+                let points = count_bits(returns, &run);
                 let slot = areas.area_for(above, &run, &fitted, points);
                 unlabelled += if slot == FULL { points } else { 0 };
-                for returns in runs(self.returns, run.end).from(run.start) {
+                for returns in runs(returns, run.end).from(run.start) {
                     part_mut(slots, returns).fill(slot);
                 }
             });
         }
-        self.cached = cached;
         unlabelled
     }
+}
 
-    /// The next run of free pixels from a column on, across a few missing ones.
-    fn free_run(&self, free: &[u32], from: usize, columns: usize) -> Option<Range<usize>> {
-        let mut runs = runs(free, columns).from(from);
-        let mut run = runs.next()?;
-        for next in runs {
-            let far = next.start - run.end > self.line.gap_columns;
-            if far || (run.end..next.start).any(|column| self.returns(column)) {
-                break;
-            }
-            run.end = next.end;
+fn is_one(bits: &[u32], column: usize) -> bool {
+    at(bits, column / CHUNK) >> (column % CHUNK) & 1 == 1
+}
+
+/// The next run of free pixels of a row from a column on, across a few missing ones.
+fn free_run(line: &Scanline, returns: &[u32], free: &[u32], from: usize) -> Option<Range<usize>> {
+    let mut runs = runs(free, line.ranges_m.len()).from(from);
+    let mut run = runs.next()?;
+    for next in runs {
+        let far = next.start - run.end > line.gap_columns;
+        if far || (run.end..next.start).any(|column| is_one(returns, column)) {
+            break;
         }
-        Some(run)
+        run.end = next.end;
     }
+    Some(run)
 }

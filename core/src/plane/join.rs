@@ -6,11 +6,12 @@
 
 use core::ops::{ControlFlow, Range};
 
-use crate::arithmetic::{cross, dot, inverse_sqrt, plus};
+use crate::arithmetic::{cross, dot, lone_inverse_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
 use crate::plane::rules::{ALONE_LEAN, MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
 use crate::plane::tried::Grown;
+use crate::plane::work::count;
 use crate::row::slots::{NONE, equal_runs};
 use crate::row::within::{at, part};
 use crate::sink::Sink;
@@ -38,8 +39,8 @@ impl Areas<'_> {
             let c = line.sums.c;
             let out = plus(c, -dot(c, self.axis), self.axis);
             let square = dot(out, out);
-            let slope =
-                ALONE_LEAN * libm::sqrtf(dot(line.m, line.m)) * inverse_sqrt(if square > 1e-9 { square } else { 1e-9 });
+            let square = if square > 1e-9 { square } else { 1e-9 };
+            let slope = ALONE_LEAN * libm::sqrtf(dot(line.m, line.m)) * lone_inverse_sqrt(square);
             out.map(|x| slope * x)
         };
         let slope = m.map_or_else(leaning, |m| cross(m, self.axis));
@@ -63,8 +64,10 @@ impl Areas<'_> {
         let n = self.share * points as f32;
         let badly = common.one + common.other;
         let wobble = self.wobble(&line.sums, common.fitted.m, n) * n;
-        let few = self.measurements(slot).min(4.0 * n);
-        let limit = n.max(line.squares + self.rules.chance) + self.rules.uneven * few + wobble;
+        let (all, most) = (self.measurements(slot), 4.0 * n);
+        let few = if all < most { all } else { most };
+        let chance = line.squares + self.rules.chance;
+        let limit = if chance > n { chance } else { n } + self.rules.uneven * few + wobble;
         (badly + line.squares < limit).then_some((badly, common.fitted))
     }
 
@@ -72,7 +75,9 @@ impl Areas<'_> {
     pub fn common(&self, one: u16, other: u16) -> Option<Fitted> {
         let rules = self.rules;
         let [n1, n2] = [one, other].map(|slot| self.measurements(slot));
-        let (one, other) = (self.fitted(one), self.fitted(other));
+        // not called, as `Areas::fitted` is: at the end of a scan this is most of the work
+        count(20);
+        let (one, other) = (self.get(one).fitted(), self.get(other).fitted());
         let common = one.with(&other);
         let wobble1 = self.wobble(&one.sums, common.fitted.m, n1);
         let wobble2 = self.wobble(&other.sums, common.fitted.m, n2);
@@ -99,7 +104,7 @@ impl Areas<'_> {
             return None;
         }
         let step = (near - far) * (near - far);
-        let least = rules.bend_step * variance.at(1.0 / near) * near * near * far * far;
+        let least = rules.bend_step * variance.lone_at(1.0 / near) * near * near * far * far;
         let bends = aligned > 0.0 && aligned * aligned > rules.bend_cos_square * squares && step < least;
         bends.then(|| self.fitted(one).with(&self.fitted(other)).fitted)
     }

@@ -35,15 +35,18 @@ struct Cuts {
 }
 
 impl Cuts {
-    const NONE: Cuts = Cuts {
-        column: [0; CANDIDATE_CUTS],
-        cost: [OUT; CANDIDATE_CUTS],
-        cos: [1.0; CANDIDATE_CUTS],
-        sin: [0.0; CANDIDATE_CUTS],
-        inverse_m: [0.0; CANDIDATE_CUTS],
-        solved: [[0.0; CANDIDATE_CUTS]; 5],
-        squares: [0.0; CANDIDATE_CUTS],
-    };
+    /// None yet. No constant, which would be in an image, 352 bytes, and copied.
+    fn none() -> Cuts {
+        Cuts {
+            column: [0; CANDIDATE_CUTS],
+            cost: [OUT; CANDIDATE_CUTS],
+            cos: [1.0; CANDIDATE_CUTS],
+            sin: [0.0; CANDIDATE_CUTS],
+            inverse_m: [0.0; CANDIDATE_CUTS],
+            solved: [[0.0; CANDIDATE_CUTS]; 5],
+            squares: [0.0; CANDIDATE_CUTS],
+        }
+    }
 
     /// Puts a cut before a pixel in the place of the worst one; gives its place.
     fn begin(&mut self, column: usize, cost: f32, pixel: &At, inverse_m: f32) -> usize {
@@ -179,7 +182,7 @@ pub(crate) fn lines(
 #[inline(never)]
 fn cut(run: Range<usize>, row: &Scanline, rules: &Rules, from: &mut [u16], cached: &mut Cached) {
     let start = run.start;
-    let (mut cuts, mut cost) = (Cuts::NONE, 0.0);
+    let (mut cuts, mut cost) = (Cuts::none(), 0.0);
     for column in run {
         let pixel = cached.at(row, column);
         if pixel.range_m == 0.0 {

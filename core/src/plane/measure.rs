@@ -41,10 +41,8 @@ const STEP_SIZES: usize = 6;
 const FEWEST_STEPPED: u16 = 200;
 /// Of a chunk every so many second differences count.
 const STRIDE: usize = 3;
-/// Squares of second differences across edges are larger, in units of the noise.
-const EDGE_SQUARE: f32 = 9.0;
-/// Smaller squares, in units of what was stated, are no noise: their sign is rounding.
-const NO_SQUARE: f32 = 1.0 / 256.0;
+/// Squares of second differences across edges are so many binary exponents above that of the noise, or more.
+const EDGE_STEPS: usize = 3;
 
 /// The biased exponent of a number that is not negative.
 fn exponent(x: f32) -> usize {
@@ -95,11 +93,8 @@ impl Measured {
         let step = sine((first + 1) % CHUNK, first % CHUNK).abs();
         let ahead = REACHES.into_iter().find(|&n| n as f32 * step < REACH_RAD).unwrap_or(2);
         let inverse = lanes.range_m.map(|r| if r > 0.0 { 1.0 / r } else { 0.0 });
-        let (mut squares, mut signed) = ([-1.0f32; CHUNK], [0.0f32; CHUNK]);
-        for i in (ahead..CHUNK - ahead).map(|i| i % CHUNK) {
-            if !VECTORS && !(i - ahead).is_multiple_of(STRIDE) {
-                continue;
-            }
+        // in units of the variance, less than 0 where a return is missing; and the second difference
+        let square_at = |i: usize| {
             let (l, r) = ((i - ahead) % CHUNK, (i + ahead) % CHUNK);
             let (alpha, beta, gamma) = (sine(r, i), sine(i, l), sine(r, l));
             let d = inverse[l] * alpha + inverse[r] * beta - inverse[i] * gamma;
@@ -110,29 +105,33 @@ impl Measured {
             let lean_m = LEAN * range_m * beside;
             let expected = row.variance.at(range_m) * (alpha * alpha + beta * beta + gamma * gamma) + lean_m * lean_m;
             let all = (lanes.range_m[l] > 0.0) & (lanes.range_m[r] > 0.0) & (range_m > 0.0);
-            squares[i] = if all { d * d * square_m2 * square_m2 / expected } else { -1.0 };
-            signed[i] = d;
+            (if all { d * d * square_m2 * square_m2 / expected } else { -1.0 }, d)
+        };
+        let (mut squares, mut differences) = ([0.0f32; CHUNK], [0.0f32; CHUNK]);
+        if VECTORS {
+            for i in (ahead..CHUNK - ahead).map(|i| i % CHUNK) {
+                (squares[i], differences[i]) = square_at(i);
+            }
         }
-        if ahead == REACHES[0] {
-            self.look_for_alike(&squares, &signed, &lanes.range_m, rules);
-        }
-        for (square, range_m) in squares.iter().zip(lanes.range_m).skip(ahead).step_by(STRIDE) {
-            if *square >= 0.0 {
-                self.add(*square, range_m);
+        let mut signs = [None; 3];
+        for i in (ahead..CHUNK - ahead).step_by(STRIDE).map(|i| i % CHUNK) {
+            let (square, difference) = if VECTORS { (squares[i], differences[i]) } else { square_at(i) };
+            if square >= 0.0 {
+                self.add(square, lanes.range_m[i]);
+            }
+            if ahead == REACHES[0] {
+                let noise = self.is_noise(square, lanes.range_m[i], rules);
+                signs = [signs[1], signs[2], noise.then_some(difference.is_sign_positive())];
+                self.alike.look_at(signs);
             }
         }
     }
 
-    /// Takes the signs of second differences over the farthest reach: of those that are neither about 0
+    /// Whether the square of a second difference is neither below the first step, where its sign is rounding,
     /// nor across an edge.
-    fn look_for_alike(&mut self, squares: &[f32; CHUNK], signed: &[f32; CHUNK], range_m: &[f32; CHUNK], rules: &Rules) {
-        let most: [Option<f32>; CLASSES] = core::array::from_fn(|class| self.factor(class, rules));
-        let above_0: [Option<bool>; (CHUNK - 2 * REACHES[0]).div_ceil(STRIDE)] = core::array::from_fn(|n| {
-            let i = (REACHES[0] + n * STRIDE) % CHUNK;
-            let noise = most[class_of(range_m[i])].is_some_and(|factor| squares[i] < EDGE_SQUARE * factor);
-            (noise && squares[i] > NO_SQUARE).then_some(signed[i] > 0.0)
-        });
-        self.alike.look_at(above_0);
+    fn is_noise(&self, square: f32, range_m: f32, rules: &Rules) -> bool {
+        let most = self.factor(class_of(range_m), rules).map_or(0, |factor| exponent(factor) + EDGE_STEPS);
+        (FIRST_STEP..most).contains(&exponent(square))
     }
 
     /// Pixels along a row, and down a column, that err alike: those stated, or more.
@@ -145,12 +144,22 @@ impl Measured {
         let class = class_of(range_m);
         let step = exponent(square).saturating_sub(FIRST_STEP).min(STEPS - 1);
         if self.totals[class] >= MOST {
-            self.counts[class] = self.counts[class].map(|n| n / 2);
-            self.totals[class] = self.counts[class].iter().sum();
+            self.halve(class);
         }
         self.counts[class][step] += 1;
         self.totals[class] += 1;
         self.means_m[class] += (range_m - self.means_m[class]) / f32::from(self.totals[class]);
+    }
+
+    /// Halves all counts of a class, so that later ones weigh more. Apart: in the loop over pixels it takes 0.3 KB more.
+    #[cold]
+    #[inline(never)]
+    fn halve(&mut self, class: usize) {
+        self.totals[class] = 0;
+        for count in &mut self.counts[class] {
+            *count /= 2;
+            self.totals[class] += *count;
+        }
     }
 
     fn all(&self) -> u32 {
@@ -159,6 +168,7 @@ impl Measured {
 
     /// The variance of a class in units of what was stated: normal errors have the quantile
     /// [`Rules::noise_share`] at [`Rules::noise_square`].
+    #[inline(never)] // in an image once, not for each class
     fn factor(&self, class: usize, rules: &Rules) -> Option<f32> {
         let total = self.totals[class % CLASSES];
         if total < FEWEST {
@@ -207,7 +217,7 @@ impl Measured {
 
     /// The variance that the scan alone tells at a range, m^2; none where it has told too little.
     pub fn alone(&self, range_m: f32, stated: &Variance, rules: &Rules) -> Option<f32> {
-        Some(self.factor(class_of(range_m), rules)? * stated.at(range_m))
+        Some(self.factor(class_of(range_m), rules)? * stated.lone_at(range_m))
     }
 
     /// The variance that counts: the larger of stated and measured.
@@ -223,7 +233,7 @@ impl Measured {
                 return Some(0.0);
             }
             let factor = if factor > rules.noise_most && stated.is_stated() { rules.noise_most } else { factor };
-            Some(factor * stated.at(self.means_m[class]) * rules.noise_less)
+            Some(factor * stated.lone_at(self.means_m[class]) * rules.noise_less)
         });
         let Some(least) = squares.iter().flatten().copied().reduce(|a, b| if b < a { b } else { a }) else {
             return *stated;

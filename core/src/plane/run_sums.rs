@@ -329,9 +329,9 @@ impl Scanline<'_> {
         } else {
             pairs(|i, j| along(i, j) + ct * both(p, t, i, j) + st * both(q, t, i, j) + tt * t[i] * t[j])
         };
-        let c = [0, 1, 2].map(|i| fc * p[i] + fs * q[i] + ft * t[i] + r[i]);
-        let sums = Sums { w, all, c, s: scatter };
-        (sums, Errors { sum: e, along: [0, 1, 2].map(|i| ec * p[i] + es * q[i] + et * t[i]), squares: ee })
+        let along_axes = |c, s, beside| plus(plus(p.map(|x| c * x), s, q), beside, t);
+        let sums = Sums { w, all, c: plus(along_axes(fc, fs, ft), 1.0, r), s: scatter };
+        (sums, Errors { sum: e, along: along_axes(ec, es, et), squares: ee })
     }
 
     /// The plane of a line of this row, which begins and ends with a return.
@@ -344,7 +344,8 @@ impl Scanline<'_> {
         let square = dot(d, d);
         let middle = plus(u, 0.5, d);
         // ends half a turn apart have no middle
-        let size = dot(middle, middle).max(1e-3);
+        let square_of_middle = dot(middle, middle);
+        let size = if square_of_middle > 1e-3 { square_of_middle } else { 1e-3 };
         let (q0, q1) = (1.0 / first.range_m, 1.0 / last.range_m);
         let slope = if square > 1e-12 { (q1 - q0) / square } else { 0.0 };
         let m = core::array::from_fn(|i| 0.5 * (q0 + q1) / size * middle[i] + slope * d[i]);

@@ -282,7 +282,7 @@ impl<'a> PlaneSegmenter<'a> {
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;
-        let mut grower = Grower { line: &line, returns, cached: Cached::EMPTY };
+        let mut grower = Grower { line: &line, returns, cached: Cached::empty() };
         grower.extend(areas, slots);
         let unlabelled = grower.take_lines(areas, carried.slots, slots, free, cuts);
         let mut cached = grower.cached;

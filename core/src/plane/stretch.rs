@@ -12,7 +12,7 @@
 
 use core::ops::Range;
 
-use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, plus};
+use crate::arithmetic::{cos_sin, cross, dot, lone_inverse_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::rules::{
     STRETCH, STRETCH_CHANGE, STRETCH_KNOWN, STRETCH_LEAST, STRETCH_RAD, STRETCH_ROWS, STRETCH_SAMPLES,
@@ -122,7 +122,7 @@ impl Told {
                 along: pixel.cos * here.cos + pixel.sin * here.sin,
                 across: pixel.sin * here.cos - pixel.cos * here.sin,
                 inverse_m: 1.0 / pixel.range_m,
-                weight: square_m2 * square_m2 / (line.alike_px * line.variance.at(pixel.range_m)),
+                weight: square_m2 * square_m2 / (line.alike_px * line.variance.lone_at(pixel.range_m)),
                 angle_rad: line.fan.column_rad(column) - middle_rad,
             };
         }
@@ -171,7 +171,7 @@ impl Stretch {
             return 0.0;
         }
         let share = products / weights;
-        let sd = |weights| 3.0 * inverse_sqrt(weights);
+        let sd = |weights| 3.0 * lone_inverse_sqrt(weights);
         let tell = told().filter(|told| sd(told.weights) < share.abs()).count();
         let agree = told().all(|told| (told.products / told.weights - share).abs() < sd(told.weights));
         let counts = agree && tell > 1 && share.abs() > STRETCH_LEAST + sd(weights);
@@ -189,7 +189,7 @@ pub(crate) fn seen(fitted: &Fitted, fan: &Fan, column: usize, share: f32) -> Fit
     let c = fitted.sums.c;
     let axis = fan.axis().map(f32::abs);
     let out = plus(c, -dot(c, axis), axis);
-    let unit = inverse_sqrt(dot(out, out)).copysign(cos);
+    let unit = lone_inverse_sqrt(dot(out, out)).copysign(cos);
     let ahead = out.map(|x| x * unit);
     let beam = plus(ahead.map(|x| x * cos), sin, axis);
     let along = plus(ahead.map(|x| -x * sin), cos, axis);
@@ -199,11 +199,12 @@ pub(crate) fn seen(fitted: &Fitted, fan: &Fan, column: usize, share: f32) -> Fit
     let by = share * (angle_rad - middle_rad);
     let turned = plus(along.map(|x| share * x), -by, beam);
     let nearer = if cos.abs() > 0.1 { -by * sin / cos } else { 0.0 };
-    let change = [0, 1, 2].map(|i| {
-        let row = plus(beam.map(|x| by * along[i] * x), turned[i], along);
-        plus(row, nearer * across[i], across)
-    });
-    fitted.seen_along(&change)
+    let row = |[of_along, of_turned, of_across]: [f32; 3]| {
+        let row = plus(beam.map(|x| by * of_along * x), of_turned, along);
+        plus(row, nearer * of_across, across)
+    };
+    let ([ax, ay, az], [tx, ty, tz], [cx, cy, cz]) = (along, turned, across);
+    fitted.seen_along(&[row([ax, tx, cx]), row([ay, ty, cy]), row([az, tz, cz])])
 }
 
 #[cfg(test)]

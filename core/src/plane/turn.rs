@@ -13,7 +13,7 @@
 //! it.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{dot, inverse_sqrt};
+use crate::arithmetic::{dot, lone_inverse_sqrt};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::median::weighted_median;
 use crate::plane::rules::{MOST_TOLD, PRIOR_RINGS, PRIOR_TURNS, Rules, TURN_PLANES, TURN_STRIDE};
@@ -182,7 +182,7 @@ fn samples<'s>(
     let turns = line.fan.turns();
     let samples = scratch.as_chunks_mut().0;
     let mut count = 0;
-    let (mut known, mut along, mut cached) = (FULL, None, Cached::EMPTY);
+    let (mut known, mut along, mut cached) = (FULL, None, Cached::empty());
     let mut column = 0;
     while column < above.len() {
         let slot = at(above, column);
@@ -195,7 +195,7 @@ fn samples<'s>(
         if let Some(Along { a, b, k, turned }) = along {
             let pixel = cached.lone(line, column);
             let range_m = pixel.range_m;
-            let inverse = inverse_sqrt(line.variance.at(range_m));
+            let inverse = lone_inverse_sqrt(line.variance.lone_at(range_m));
             let error =
                 inverse * range_m * (range_m * (pixel.cos * a + pixel.sin * b + pixel.beside * turned + k) - 1.0);
             let slope = inverse * if turns { range_m * range_m * pixel.cos * turned } else { -1.0 };
@@ -251,7 +251,11 @@ fn explained(samples: &[Sample], by: f32, areas: &Areas) -> (f32, bool) {
     let mut planes = [(0.0f32, NONE); TURN_PLANES];
     let mut gain = 0.0;
     for sample in samples {
-        let more = rest(sample, 0.0).min(rules.turn_off) - rest(sample, by).min(rules.turn_off);
+        let [before, after] = [0.0, by].map(|by| {
+            let rest = rest(sample, by);
+            if rest < rules.turn_off { rest } else { rules.turn_off }
+        });
+        let more = before - after;
         gain += more;
         let slot = sample[2] as u16;
         if let Some(known) = planes.iter_mut().find(|plane| plane.1 == slot || plane.1 == NONE) {

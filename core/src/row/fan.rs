@@ -1,7 +1,7 @@
 //! The beams of a row: cosines and sines of its columns, and the points that its ranges are.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, plus, round};
+use crate::arithmetic::{cos_sin, cross, dot, inverse_sqrt, less, lone_inverse_sqrt, plus, round};
 use crate::beam::{Beams, Columns, MAX_COLUMNS, TurnAxis};
 use crate::error::ConfigError;
 use crate::moments::POINT_UNIT_M;
@@ -379,7 +379,8 @@ fn free(directions: &[[f32; 3]], counts: impl Fn(usize) -> bool) -> [[f32; 3]; 4
     }
     let unit = |v: [f32; 3], or: [f32; 3]| {
         let square = dot(v, v);
-        if square > 1e-12 { v.map(|x| x * inverse_sqrt(square)) } else { or }
+        let root = lone_inverse_sqrt(square);
+        if square > 1e-12 { v.map(|x| x * root) } else { or }
     };
     let t = unit(across, [0.0, 0.0, 1.0]);
     let p = plus(middle, -dot(middle, t), t);

@@ -129,6 +129,13 @@ pub(crate) struct Factor {
 impl Factor {
     /// The change of the plane for errors about the same mean, and the squares that it saves.
     pub fn solve(&self, errors: &Errors) -> ([f32; 3], f32) {
+        let (own, saved) = self.forth(errors);
+        (self.back(own), saved)
+    }
+
+    /// The first half of solving: to the factors' own axes; and the squares that it saves.
+    #[inline(always)]
+    fn forth(&self, errors: &Errors) -> ([f32; 3], f32) {
         let [x, y, z] = errors.along;
         let (gi, gj, gk) = match self.last {
             0 => (y, z, x),
@@ -141,7 +148,7 @@ impl Factor {
         let q = gj - aj * gk - l10 * p;
         let r = errors.sum + gk * self.inverse - l20 * p - l21 * q;
         let saved = p * p * self.d[0] + q * q * self.d[1] + r * r * self.d[2];
-        (self.back([p * self.d[0], q * self.d[1], r * self.d[2]]), saved)
+        ([p * self.d[0], q * self.d[1], r * self.d[2]], saved)
     }
 
     /// The second half of solving: from the factors' own axes back to x, y, z.
@@ -167,6 +174,6 @@ impl Factor {
 
     /// The variance of u . m for a beam u; `v` is u less the mean.
     pub fn variance(&self, v: [f32; 3]) -> f32 {
-        self.solve(&Errors { sum: 1.0, along: v, squares: 0.0 }).1
+        self.forth(&Errors { sum: 1.0, along: v, squares: 0.0 }).1
     }
 }

@@ -139,12 +139,13 @@ impl<'a, S: Segmenter, K: LmsRows> Rig<'a, S, K> {
         }
     }
 
-    /// Counts the telegrams lost since the last valid one, by the time.
+    /// Counts the telegrams lost since the last valid one, by the time; at most those of 71 minutes.
     fn count_lost(&mut self, start_us: u64, scans: u8) {
-        let period_us = u64::from(self.scanner.settings().period_us()).max(1) * u64::from(scans.max(1));
+        let period_us = self.scanner.settings().period_us().max(1).saturating_mul(u32::from(scans.max(1)));
         if let Some(last_us) = self.last_start_us.replace(start_us) {
-            let periods = (start_us.saturating_sub(last_us) + period_us / 2) / period_us;
-            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1) as u32);
+            let since_us = u32::try_from(start_us.saturating_sub(last_us)).unwrap_or(u32::MAX);
+            let periods = since_us.saturating_add(period_us / 2).checked_div(period_us).unwrap_or(0);
+            self.counters.lost = self.counters.lost.wrapping_add(periods.saturating_sub(1));
         }
     }
 }

@@ -16,6 +16,7 @@ use scanseg_firmware::uart::nrf51::Uart;
 use scanseg_firmware::wire::SpiOver;
 use scanseg_hal::lms2xx::Session;
 use scanseg_hal::rig::{LmsRows, Rig, RigError, beams};
+use small_memory as _;
 
 const COLUMNS: usize = MICROBIT.variant.columns() as usize;
 const AREAS: usize = microbit_areas(APPROACH);
