@@ -29,6 +29,8 @@ fn uniform(a: usize, b: usize) -> f64 {
     (x >> 40) as f64 / f64::from(1 << 24)
 }
 
+const RECORDED: &str = "recorded corridor";
+
 /// Rows of value words as the scanner sends them, 0.5 degree apart; their codes for "no return"
 /// still in.
 pub struct Recording {
@@ -41,12 +43,15 @@ impl Recording {
     pub fn load() -> Result<Self> {
         let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data/tilting-sick-corridor"));
         if !data.exists() {
-            println!("skipped: the recorded corridor (no {}); a simulated office instead", data.display());
+            let absent = data.display();
+            println!(
+                "skipped: the recorded corridor (no {absent}); an office instead, without ceilings of instructions"
+            );
             return Self::office();
         }
         let image = GreyImage::read(data.join("scan000.range_mm.pgm"))?;
         let rows = image.values.chunks(image.columns).map(<[u16]>::to_vec).collect();
-        Ok(Self { name: "recorded corridor", rows })
+        Ok(Self { name: RECORDED, rows })
     }
 
     fn office() -> Result<Self> {
@@ -79,6 +84,10 @@ impl Recording {
         let word = |range_m: f64| if range_m > 0.0 { (range_m * 1000.0) as u16 } else { 0x7FFF };
         let row = |at: usize| (0..361).map(|column| word(scenes[at / HARD_ROWS](at, column))).collect();
         Self { name: "hard scenes", rows: (0..4 * HARD_ROWS).map(row).collect() }
+    }
+
+    pub fn is_recorded(&self) -> bool {
+        self.name == RECORDED
     }
 
     pub fn rows(&self) -> usize {
