@@ -4,11 +4,11 @@
 //! plane they have one sign as often as not. Where errors are alike over more columns than that, they mostly have one
 //! sign. Where a surface is bent they have so 6 columns apart as well: what is alike there does not count.
 
-/// Pairs that must have been seen: 10 percent are then 3.5 standard errors of their share.
-const FEWEST: u16 = 300;
-/// Percent of pairs of one sign by which those 3 columns apart must exceed a half, and those 6 columns
-/// apart. White noise has 0, a Kinect has 15.
-const MORE: u32 = 10;
+/// Pairs that must have been seen. Of those 3 columns apart a tenth more than a half must have one sign, and a tenth
+/// more than of those 6 columns apart: 3.5 standard errors. White noise has no more, a Kinect has 0.15.
+const FEWEST: u32 = 300;
+/// Pairs that are looked at: more would tell no more, and be work.
+const MOST: u32 = 4000;
 /// Pixels that are then taken to err alike, along rows and down columns: as
 /// [`Ranging::KINECT_V1`](crate::Ranging::KINECT_V1) states it. With 3 a recorded scan of one has half
 /// as many segments more.
@@ -17,24 +17,18 @@ const ALIKE_PX: f32 = 4.0;
 /// Pairs of second differences, and those of one sign among them.
 #[derive(Clone, Copy, Debug)]
 struct Pairs {
-    all: u16,
-    same: u16,
+    all: u32,
+    same: u32,
 }
 
 impl Pairs {
     const NONE: Pairs = Pairs { all: 0, same: 0 };
 
     fn add(&mut self, one: Option<bool>, other: Option<bool>) {
-        if let (Some(one), Some(other)) = (one, other)
-            && self.all < u16::MAX
-        {
+        if let (Some(one), Some(other)) = (one, other) {
             self.all += 1;
-            self.same += u16::from(one == other);
+            self.same += u32::from(one == other);
         }
-    }
-
-    fn percent(self) -> u32 {
-        100 * u32::from(self.same) / u32::from(self.all).max(1)
     }
 }
 
@@ -53,14 +47,19 @@ impl Alike {
     /// it is about 0, or no noise.
     #[inline(never)]
     pub fn look_at(&mut self, above_0: [Option<bool>; 3]) {
-        if self.is_so {
-            return;
-        }
         let [first, before, last] = above_0;
         self.far.add(first, last);
         self.near.add(before, last);
-        let bent = self.far.percent().max(50);
-        self.is_so = self.near.all >= FEWEST && self.near.percent() > bent + MORE;
+        let Self { near, far, .. } = self;
+        // by a tenth at least, same / all of the near ones is more than a half, and than that of the far ones
+        let than_half = 10 * near.same > 6 * near.all;
+        let than_far = 10 * far.same * near.all + near.all * far.all < 10 * near.same * far.all;
+        self.is_so = near.all >= FEWEST && than_half && than_far;
+    }
+
+    /// Whether more may tell that neighbours err alike.
+    pub fn is_open(&self) -> bool {
+        !self.is_so && self.near.all < MOST
     }
 
     /// Pixels that err alike, at least those that are stated to.

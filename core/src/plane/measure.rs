@@ -119,7 +119,7 @@ impl Measured {
             if square >= 0.0 {
                 self.add(square, lanes.range_m[i]);
             }
-            if ahead == REACHES[0] {
+            if ahead == REACHES[0] && self.alike.is_open() {
                 let noise = self.is_noise(square, lanes.range_m[i], rules);
                 signs = [signs[1], signs[2], noise.then_some(difference.is_sign_positive())];
                 self.alike.look_at(signs);
