@@ -24,11 +24,9 @@ struct Pairs {
 impl Pairs {
     const NONE: Pairs = Pairs { all: 0, same: 0 };
 
-    fn add(&mut self, one: Option<bool>, other: Option<bool>) {
-        if let (Some(one), Some(other)) = (one, other) {
-            self.all += 1;
-            self.same += u32::from(one == other);
-        }
+    fn add(&mut self, one: i32, other: i32) {
+        self.all += u32::from(one * other != 0);
+        self.same += u32::from(one * other > 0);
     }
 }
 
@@ -43,17 +41,17 @@ pub(crate) struct Alike {
 impl Alike {
     pub const NONE: Alike = Alike { near: Pairs::NONE, far: Pairs::NONE, is_so: false };
 
-    /// Takes a second difference, after those 6 and 3 columns before it: whether each is above 0; none where
-    /// it is about 0, or no noise.
+    /// Takes the sign of a second difference, 1 or -1, after those 6 and 3 columns before it; 0 is none, where it is
+    /// about 0, or no noise.
     #[inline(never)]
-    pub fn look_at(&mut self, above_0: [Option<bool>; 3]) {
-        let [first, before, last] = above_0;
+    pub fn look_at(&mut self, signs: [i32; 3]) {
+        let [first, before, last] = signs;
         self.far.add(first, last);
         self.near.add(before, last);
         let Self { near, far, .. } = self;
         // by a tenth at least, same / all of the near ones is more than a half, and than that of the far ones
-        let than_half = 10 * near.same > 6 * near.all;
-        let than_far = 10 * far.same * near.all + near.all * far.all < 10 * near.same * far.all;
+        let than_half = 5 * near.same > 3 * near.all;
+        let than_far = near.all * (10 * far.same + far.all) < 10 * near.same * far.all;
         self.is_so = near.all >= FEWEST && than_half && than_far;
     }
 

@@ -49,6 +49,10 @@ fn exponent(x: f32) -> usize {
     (x.to_bits() >> 23) as usize
 }
 
+fn sign(x: f32) -> i32 {
+    if x.is_sign_positive() { 1 } else { -1 }
+}
+
 fn class_of(range_m: f32) -> usize {
     exponent(range_m).saturating_sub(FIRST_CLASS).min(CLASSES - 1)
 }
@@ -113,25 +117,24 @@ impl Measured {
                 (squares[i], differences[i]) = square_at(i);
             }
         }
-        let mut signs = [None; 3];
+        // smaller squares are rounding, larger ones are across an edge
+        let mut edge = 0;
+        if ahead == REACHES[0] && self.alike.is_open() {
+            let factor = self.factor(class_of(lanes.range_m[CHUNK / 2]), rules);
+            edge = exponent(factor.unwrap_or(0.0)) + EDGE_STEPS;
+        }
+        let mut signs = [0; 3];
         for i in (ahead..CHUNK - ahead).step_by(STRIDE).map(|i| i % CHUNK) {
             let (square, difference) = if VECTORS { (squares[i], differences[i]) } else { square_at(i) };
             if square >= 0.0 {
                 self.add(square, lanes.range_m[i]);
             }
-            if ahead == REACHES[0] && self.alike.is_open() {
-                let noise = self.is_noise(square, lanes.range_m[i], rules);
-                signs = [signs[1], signs[2], noise.then_some(difference.is_sign_positive())];
+            if edge > 0 {
+                let noise = (FIRST_STEP..edge).contains(&exponent(square));
+                signs = [signs[1], signs[2], if noise { sign(difference) } else { 0 }];
                 self.alike.look_at(signs);
             }
         }
-    }
-
-    /// Whether the square of a second difference is neither below the first step, where its sign is rounding,
-    /// nor across an edge.
-    fn is_noise(&self, square: f32, range_m: f32, rules: &Rules) -> bool {
-        let most = self.factor(class_of(range_m), rules).map_or(0, |factor| exponent(factor) + EDGE_STEPS);
-        (FIRST_STEP..most).contains(&exponent(square))
     }
 
     /// Pixels along a row, and down a column, that err alike: those stated, or more.
