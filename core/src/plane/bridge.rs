@@ -107,8 +107,7 @@ impl Areas<'_> {
         count(10);
         let candidate = self.get(other).fitted();
         let points = self.share * piece.points as f32;
-        let small = self.measurements(other);
-        let small = if small < points { small } else { points };
+        let small = self.share * self.get(other).points.min(piece.points) as f32;
         let wobble = if self.turn_rad2 > 0.0 { rules.most_wobble } else { 0.0 };
         let (by_chance, near) =
             (rules.chance + (rules.uneven + wobble) * small, rules.chance + (1.0 + rules.bent) * points);

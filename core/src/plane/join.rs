@@ -74,9 +74,9 @@ impl Areas<'_> {
     /// The plane of two areas if they are one surface.
     pub fn common(&self, one: u16, other: u16) -> Option<Fitted> {
         let rules = self.rules;
-        let [n1, n2] = [one, other].map(|slot| self.measurements(slot));
         // not called, as `Areas::fitted` is: at the end of a scan this is most of the work
         count(20);
+        let [n1, n2] = [one, other].map(|slot| self.share * self.get(slot).points as f32);
         let (one, other) = (self.get(one).fitted(), self.get(other).fitted());
         let common = one.with(&other);
         let wobble1 = self.wobble(&one.sums, common.fitted.m, n1);
