@@ -5,7 +5,7 @@
 //! sign. Where a surface is bent they have so 6 columns apart as well: what is alike there does not count.
 
 /// Pairs that must have been seen. Of those 3 columns apart a tenth more than a half must have one sign, and a tenth
-/// more than of those 6 columns apart: 3.5 standard errors. White noise has no more, a Kinect has 0.15.
+/// more than of those 6 columns apart: 3.5 standard errors. Of white noise it is no more, of a Kinect 0.15.
 const FEWEST: u32 = 300;
 /// Pairs that are looked at: more would tell no more, and be work.
 const MOST: u32 = 4000;
