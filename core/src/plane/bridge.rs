@@ -15,6 +15,8 @@ use crate::weighted::sums::Factor;
 /// An area whose other pieces are looked for.
 struct Piece {
     points: u32,
+    /// Squares that it may have at most in all, near a plane.
+    near: f32,
     fitted: Fitted,
     factor: Factor,
 }
@@ -77,7 +79,8 @@ impl Areas<'_> {
     ) -> ControlFlow<(), Option<u16>> {
         let fitted = self.fitted(slot);
         let factor = fitted.sums.factor(1e-3);
-        let piece = Piece { points: self.get(slot).points, fitted, factor };
+        let near = self.rules.chance + (1.0 + self.rules.bent) * self.measurements(slot);
+        let piece = Piece { points: self.get(slot).points, near, fitted, factor };
         for other in from..self.used() {
             if *budget == 0 {
                 self.bridge = [slot, other];
@@ -106,11 +109,9 @@ impl Areas<'_> {
         // not called, as `Areas::fitted` is: of this only some numbers are read
         count(10);
         let candidate = self.get(other).fitted();
-        let points = self.share * piece.points as f32;
         let small = self.share * self.get(other).points.min(piece.points) as f32;
         let wobble = if self.turn_rad2 > 0.0 { rules.most_wobble } else { 0.0 };
-        let (by_chance, near) =
-            (rules.chance + (rules.uneven + wobble) * small, rules.chance + (1.0 + rules.bent) * points);
+        let (by_chance, near) = (rules.chance + (rules.uneven + wobble) * small, piece.near);
         let limit = if by_chance > near { by_chance } else { near };
         let u = candidate.sums.c;
         let e = dot(u, piece.fitted.m) - dot(u, candidate.m);
