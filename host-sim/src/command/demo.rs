@@ -23,7 +23,7 @@ const RANGE_NOISE_HELP: &str = "Standard deviation of one range, of the simulate
 #[command(mut_arg("range_noise_m", |arg| arg.help(RANGE_NOISE_HELP)))]
 pub struct Arguments {
     /// Folder for the results; made if it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Which office, and which random errors
     #[arg(long, value_name = "N", default_value_t = 0)]
