@@ -84,14 +84,6 @@ pub(crate) fn lone_inverse_sqrt(x: f32) -> f32 {
     inverse_sqrt(x)
 }
 
-/// The square root of a normal x, or 0, to 1e-7 relative, outside of the loops over pixels. `libm`'s takes 0.5 KB more, most
-/// of it a table.
-pub(crate) fn lone_sqrt(x: f32) -> f32 {
-    let inverse = lone_inverse_sqrt(x);
-    let root = x * inverse;
-    root + 0.5 * inverse * (x - root * root)
-}
-
 /// Cosine and sine of an angle within +-6300 radians, to 9e-8. Without a branch or a call, so that loops
 /// vectorise, and in single precision alone: with `libm`'s an image for a Cortex-M4F is 6 KB larger, most of it
 /// double precision.

@@ -152,23 +152,6 @@ fn wall_behind_a_board() {
     assert_eq!(reports, [(1, 45, 0, 4), (2, 45, 5, 9), (1, 90, 0, 14)]);
 }
 
-/// Two panels of one plane with a post at the inner border of each: between the posts one looks past them,
-/// to a wall behind, so they are two; a board in its place may hide the rest, so they are one.
-#[test]
-fn panels_beside_posts() {
-    let panels = |between_m: f64| {
-        let scan = scanner(20, 60, 0.0, |[x, y, _]| match (y / x).abs() {
-            0.0..0.09 => between_m / x,
-            0.09..0.14 => 2.0 / x,
-            _ => 3.0 / x,
-        });
-        let found = labels(&scan, &CONFIG);
-        (found.pixels[0], found.pixels[59])
-    };
-    assert_eq!(panels(2.5), ('a', 'a'));
-    assert_eq!(panels(5.0), ('a', 'e'));
-}
-
 /// With room for two areas only, the wall that has ended is forgotten when it comes back: it is
 /// another one. With room for three it is not.
 #[test]

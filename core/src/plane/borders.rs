@@ -5,10 +5,8 @@
 use crate::area::Area;
 use crate::arithmetic::dot;
 use crate::plane::areas::{Areas, FULL};
-use crate::plane::marks::LIVE;
-use crate::plane::rules::{BETWEEN, BORDER_SQUARE};
-use crate::plane::scanline::{At, Cached, Scanline};
-use crate::plane::work::count;
+use crate::plane::rules::BORDER_SQUARE;
+use crate::plane::scanline::{At, Scanline};
 
 /// A border of an area.
 #[derive(Clone, Copy, Debug)]
@@ -128,36 +126,8 @@ impl Areas<'_> {
     }
 }
 
-impl Areas<'_> {
-    /// Whether what a row sees between two areas that lie side by side and both go on is nearer than their
-    /// common plane m, as far as it tells. Rows that wrap are looked at on the side without the seam.
-    pub fn hides(&self, [one, other]: [u16; 2], m: [f32; 3], row: &Scanline, cached: &mut Cached) -> bool {
-        let [a, b] = [one, other].map(|slot| self.get(slot));
-        let (left, right) = if a.last_column < b.first_column { (a, b) } else { (b, a) };
-        let both_go_on = [one, other].iter().all(|&slot| self.marks(slot).state == LIVE);
-        if !both_go_on || left.last_column >= right.first_column {
-            return true;
-        }
-        let (from, width) = (u32::from(left.last_column), u32::from(right.first_column - left.last_column));
-        let mut seen = [0u32; 2];
-        for i in 0..BETWEEN {
-            let column = from + width * (2 * i + 1) / (2 * BETWEEN);
-            let pixel = cached.lone(row, column as usize);
-            if pixel.range_m > 0.0
-                && let Some(nearer) = nearer(dot(row.beam(&pixel), m), pixel.range_m, row)
-            {
-                seen[usize::from(!nearer)] += 1;
-            }
-        }
-        count(BETWEEN as usize);
-        let [near, far] = seen;
-        16 * near >= self.rules.hides * (near + far)
-    }
-}
-
 /// Whether what is seen at this range is nearer than a plane that the beam meets at 1 / q; `None`
 /// if it lies on it.
-#[cfg_attr(target_os = "none", inline(never))]
 fn nearer(q: f32, range_m: f32, row: &Scanline) -> Option<bool> {
     let relative = range_m * q - 1.0;
     let error_m = range_m * relative;

@@ -1,7 +1,5 @@
 //! Pieces of one surface on both sides of what hides the rest of it. They are looked for with a
 //! budget of work for each row: the search goes on where the row before has left it.
-//!
-//! What lies beyond their borders tells, and of two that lie side by side what the row sees between them.
 
 use core::ops::ControlFlow;
 
@@ -9,7 +7,6 @@ use crate::arithmetic::dot;
 use crate::arithmetic::less;
 use crate::plane::areas::Areas;
 use crate::plane::rules::{BRIDGE_TRY, SURE};
-use crate::plane::scanline::{Cached, Scanline};
 use crate::plane::work::count;
 use crate::sink::Sink;
 use crate::weighted::fitted::Fitted;
@@ -26,14 +23,8 @@ struct Piece {
 
 impl Areas<'_> {
     /// Joins areas to others on the same plane, across what hides the rest, as far as the budget
-    /// goes: one unit for each pair that is looked at, and some more for each that is tried. `row`: the last
-    /// one, if it is at hand.
-    pub fn bridge<S: Sink + ?Sized>(
-        &mut self,
-        mut budget: u32,
-        mut row: Option<(&Scanline, &mut Cached)>,
-        sink: &mut S,
-    ) -> ControlFlow<()> {
+    /// goes: one unit for each pair that is looked at, and some more for each that is tried.
+    pub fn bridge<S: Sink + ?Sized>(&mut self, mut budget: u32, sink: &mut S) -> ControlFlow<()> {
         let used = self.used();
         // no area is looked at twice
         let mut left = u32::from(used);
@@ -45,7 +36,7 @@ impl Areas<'_> {
                 count(1);
                 continue;
             }
-            if let Some(kept) = self.bridge_from(slot, from, &mut budget, &mut row, sink)? {
+            if let Some(kept) = self.bridge_from(slot, from, &mut budget, sink)? {
                 // it has grown, and begins again
                 self.bridge = [kept, 0];
             } else if self.bridge[1] >= used {
@@ -84,7 +75,6 @@ impl Areas<'_> {
         slot: u16,
         from: u16,
         budget: &mut u32,
-        row: &mut Option<(&Scanline, &mut Cached)>,
         sink: &mut S,
     ) -> ControlFlow<(), Option<u16>> {
         let fitted = self.fitted(slot);
@@ -104,7 +94,6 @@ impl Areas<'_> {
             *budget = budget.saturating_sub(BRIDGE_TRY);
             if self.hidden(slot, other)
                 && let Some(common) = self.common(slot, other)
-                && row.as_mut().is_none_or(|(row, cached)| self.hides([slot, other], common.m, row, cached))
             {
                 return ControlFlow::Continue(Some(self.join(slot, other, &common, sink)?));
             }

@@ -28,9 +28,6 @@ pub(crate) const BORDER_SQUARE: f32 = 9.0;
 /// Budget that trying a pair across a gap costs beside looking at it.
 pub(crate) const BRIDGE_TRY: u32 = 5;
 
-/// Pixels between two areas that are looked at. Four find as much in offices, and half a point less in streets.
-pub(crate) const BETWEEN: u32 = 8;
-
 /// Allowance of the quick test of such a pair for rounding.
 pub(crate) const SURE: f32 = 1.1;
 
@@ -160,9 +157,6 @@ pub struct Rules {
     /// Of 16 pixels past the borders that face each other so many must be nearer: then they may
     /// hide the rest of one surface.
     pub hidden: u32,
-    /// Of 16 pixels that a row sees between two areas so many must be nearer. Pavements on both sides of a
-    /// road are two, though parked cars stand at their borders: 2 to 4 points in streets. With 8 it is 2 to 3.
-    pub hides: u32,
 
     /// Squared cosine of the largest angle, 3 deg, at which two large areas are one that the scanner
     /// bends.
@@ -252,7 +246,6 @@ impl Rules {
         most_wobble: 6.0,
         gap_points: 20,
         hidden: 8,
-        hides: 12,
         bend_cos_square: 0.99726,
         bend_step: 6.0,
         bend_points: 1000,

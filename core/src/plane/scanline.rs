@@ -106,7 +106,6 @@ impl Scanline<'_> {
     }
 
     /// The direction of the beam of a pixel.
-    #[cfg_attr(target_os = "none", inline(never))]
     pub fn beam(&self, pixel: &At) -> [f32; 3] {
         let Frame { p, q, r, t, .. } = self.frame;
         core::array::from_fn(|i| pixel.cos * p[i] + pixel.sin * q[i] + pixel.beside * t[i] + r[i])

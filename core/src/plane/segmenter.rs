@@ -116,7 +116,7 @@ impl Segmenter for PlaneSegmenter<'_> {
     fn finish<S: Sink + ?Sized>(&mut self, sink: &mut S) -> Finished {
         let mut ended = self.close_round(sink);
         if ended.is_continue() {
-            ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, None, sink);
+            ended = self.areas.bridge(LAST_BRIDGES * self.columns as u32, sink);
         }
         if ended.is_continue() {
             ended = self.areas.close(true, sink);
@@ -299,7 +299,7 @@ impl<'a> PlaneSegmenter<'a> {
         if let Some(turn_rad) = areas.seam_rad.take() {
             turns.learn_turn(turn_rad, &line, rules);
         }
-        areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), Some((&line, &mut cached)), sink)?;
+        areas.bridge((columns as u32 / 4).max(LEAST_BRIDGES), sink)?;
         if beam.row == 0 {
             self.first_rad = beam.beams.turn_rad;
             for (to, &slot) in first.iter_mut().zip(&*slots) {

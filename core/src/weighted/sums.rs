@@ -7,7 +7,7 @@
 //! planes are found as differences from planes: nothing cancels, and single precision is enough.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{dot, less, lone_sqrt, plus};
+use crate::arithmetic::{dot, less, plus};
 
 /// Weights and beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -168,7 +168,7 @@ impl Factor {
 
     /// Three vectors v whose products v v' add up to the covariance of the plane.
     pub fn deviations(&self) -> [[f32; 3]; 3] {
-        let [p, q, h] = self.d.map(lone_sqrt);
+        let [p, q, h] = self.d.map(libm::sqrtf);
         [self.back([p, 0.0, 0.0]), self.back([0.0, q, 0.0]), self.back([0.0, 0.0, h])]
     }
 

@@ -131,7 +131,6 @@ fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::
             ("rough", number) => set(&mut rules.rough, number)?,
             ("gap_points", number) => set(&mut rules.gap_points, number)?,
             ("hidden", number) => set(&mut rules.hidden, number)?,
-            ("hides", number) => set(&mut rules.hides, number)?,
             ("ring_prior_m", number) => set(&mut rules.ring_prior_m, number)?,
             ("seam_uneven", number) => set(&mut rules.seam_uneven, number)?,
             ("turn_prior_rad", number) => set(&mut rules.turn_prior_rad, number)?,
