@@ -128,8 +128,9 @@ impl Told {
         }
         let Some(found) = Line::of(&samples) else { return };
         let (share, weight) = found.share(&samples);
+        let share = share + so_far;
         if weight * (STRETCH * STRETCH) >= 1.0 && share.abs() <= 3.0 * STRETCH {
-            self.products += weight * (share + so_far);
+            self.products += weight * share;
             self.weights += weight;
         }
     }
