@@ -64,12 +64,9 @@ pub(crate) const LEFT_OF_RING: f32 = 0.06;
 /// Most that one row tells of what rows are off by, as a multiple of the variance that is known.
 pub(crate) const MOST_TOLD: f32 = 1000.0;
 
-/// Rows that are taken to have told no turn but that expected. With four, images of 400 x 721 lose 3 points,
-/// and the covariances of floors are a fifth larger.
-pub(crate) const PRIOR_TURNS: f32 = 1.0;
-
-/// The same of rings. One finds a point more in rooms of 128 rings; it has not been tried on planes alone.
-pub(crate) const PRIOR_RINGS: f32 = 4.0;
+/// Rows that are taken to have told of no turn or offset of a ring but that expected. With four, images of
+/// 400 x 721 lose 3 points, rooms seen by 128 rings 1, and the covariances of floors are a fifth larger.
+pub(crate) const PRIOR_ROWS: f32 = 1.0;
 
 /// Pixels of a run that are looked at for the share by which beam angles are too small.
 pub(crate) const STRETCH_SAMPLES: usize = 24;

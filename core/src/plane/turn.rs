@@ -16,7 +16,7 @@
 use crate::arithmetic::{dot, lone_inverse_sqrt};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::median::weighted_median;
-use crate::plane::rules::{MOST_TOLD, PRIOR_RINGS, PRIOR_TURNS, Rules, TURN_PLANES, TURN_STRIDE};
+use crate::plane::rules::{MOST_TOLD, PRIOR_ROWS, Rules, TURN_PLANES, TURN_STRIDE};
 use crate::plane::scanline::{Along, Cached, Scanline};
 use crate::row::slots::NONE;
 use crate::row::within::{at, part_mut, put};
@@ -61,25 +61,23 @@ pub(crate) struct Turns {
 
 impl Turns {
     /// Variance of what rows are off by: of the turn angle, rad^2; of a spinning scanner of the
-    /// offsets of its rings, m^2. `expected`: before any row tells.
-    fn variance(&self, expected: Expected) -> f32 {
-        // some rows more, so that the first ones do not speak for all
-        let Expected { variance, rows } = expected;
-        let variance = (rows * variance + self.squares2) / (rows + self.told);
+    /// offsets of its rings, m^2. `expected2`: before any row tells.
+    fn variance(&self, expected2: f32) -> f32 {
+        // a row more, so that the first ones do not speak for all
+        let variance = (PRIOR_ROWS * expected2 + self.squares2) / (PRIOR_ROWS + self.told);
         if variance > 0.0 { variance } else { 0.0 }
     }
 
     /// Takes note of a row that is off by so much more than the one before, where noise alone makes
     /// it so much, as a variance. What all rows are off by alike is no noise: planes may be tilted
     /// by as much.
-    fn learn(&mut self, more: f32, noise2: f32, expected: Expected) {
-        let expected2 = expected.variance;
+    fn learn(&mut self, more: f32, noise2: f32, expected2: f32) {
         let ratio = expected2 / (expected2 + noise2);
         let weight = ratio * ratio;
         // two rows of independent turns differ by twice the variance
         let told2 = 0.5 * (more * more - noise2);
         // one row alone does not speak for all either
-        let known2 = self.variance(expected);
+        let known2 = self.variance(expected2);
         let most2 = MOST_TOLD * if known2 > expected2 { known2 } else { expected2 };
         self.told += weight;
         self.squares2 += weight * if told2 < most2 { told2 } else { most2 };
@@ -87,13 +85,13 @@ impl Turns {
 
     /// Takes note of a turn that was found between two areas, radians.
     pub fn learn_turn(&mut self, turn_rad: f32, line: &Scanline, rules: &Rules) {
-        self.learn(turn_rad, 0.0, Expected::of(line, rules));
+        self.learn(turn_rad, 0.0, expected2(line, rules));
     }
 
     /// Variance of what rows of this scanner are off by, as the scan tells it.
     pub fn told2(&self, line: &Scanline, rules: &Rules) -> f32 {
         let known = line.fan.spins() || line.fan.turns();
-        if known { self.variance(Expected::of(line, rules)) } else { 0.0 }
+        if known { self.variance(expected2(line, rules)) } else { 0.0 }
     }
 
     /// What a row is off by: its turn beyond what was reported, radians; of a spinning scanner all
@@ -109,7 +107,7 @@ impl Turns {
     ) -> Option<f32> {
         let found = self.find(line, above, areas, turn_rad, scratch);
         if let (Some(now), Some(last)) = (found, self.last) {
-            self.learn(now.by - last.by, now.variance + last.variance, Expected::of(line, areas.rules));
+            self.learn(now.by - last.by, now.variance + last.variance, expected2(line, areas.rules));
         }
         self.last = found;
         let by = found.filter(|found| found.is_off).map(|found| found.by);
@@ -151,22 +149,11 @@ impl Turns {
     }
 }
 
-/// What rows are expected to be off by before any row tells.
-#[derive(Clone, Copy)]
-struct Expected {
-    variance: f32,
-    /// It counts as so many rows that have told it.
-    rows: f32,
-}
-
-impl Expected {
-    /// At least what is stated.
-    fn of(line: &Scanline, rules: &Rules) -> Expected {
-        let spins = line.fan.spins();
-        let (sd, rows) = if spins { (rules.ring_prior_m, PRIOR_RINGS) } else { (rules.turn_prior_rad, PRIOR_TURNS) };
-        let variance = sd * sd;
-        Expected { variance: if variance > line.off2 { variance } else { line.off2 }, rows }
-    }
+/// Variance of what rows are expected to be off by before any row tells, at least what is stated.
+fn expected2(line: &Scanline, rules: &Rules) -> f32 {
+    let sd = if line.fan.spins() { rules.ring_prior_m } else { rules.turn_prior_rad };
+    let expected2 = sd * sd;
+    if expected2 > line.off2 { expected2 } else { line.off2 }
 }
 
 /// The pixels that tell: those on a large plane, near enough to it for it to be off by what is
