@@ -84,6 +84,11 @@ pub(crate) fn lone_inverse_sqrt(x: f32) -> f32 {
     inverse_sqrt(x)
 }
 
+/// The root of a normal x to 3e-7, 0 for 0, where no more digits are needed: without `libm`'s an image is 0.5 KB smaller.
+pub(crate) fn lone_sqrt(x: f32) -> f32 {
+    x * lone_inverse_sqrt(x)
+}
+
 /// Cosine and sine of an angle within +-6300 radians, to 9e-8. Without a branch or a call, so that loops
 /// vectorise, and in single precision alone: with `libm`'s an image for a Cortex-M4F is 6 KB larger, most of it
 /// double precision.

@@ -37,6 +37,8 @@ pub(crate) struct Areas<'a> {
     pub bridge: [u16; 2],
     /// Variance of the turn angle of a row, rad^2.
     pub turn_rad2: f32,
+    /// Variance of the offset of a ring, m^2; 0 where the scanner does not spin.
+    pub ring_m2: f32,
     /// Measurements that a pixel is: 1, less where neighbours err alike.
     pub share: f32,
     /// The axis about which rows turn; 0 where they do not.
@@ -67,6 +69,7 @@ impl<'a> Areas<'a> {
             row: 0,
             bridge: [0, 0],
             turn_rad2: 0.0,
+            ring_m2: 0.0,
             share: 1.0,
             axis,
             seam_rad: None,
@@ -298,7 +301,9 @@ impl<'a> Areas<'a> {
             let area = self.get(slot);
             let mut gone = area.link != slot;
             if !gone && marks.state == LIVE && (all || marks.seen != self.row) {
-                let sums = SegmentSums::Fitted { pixels: area.points, fitted: area.fitted() };
+                let rings = f32::from(self.size(slot).0);
+                let fitted = area.fitted().known_by_rings(self.ring_m2, rings);
+                let sums = SegmentSums::Fitted { pixels: area.points, fitted };
                 sink.segment(&area.segment(area.frontier, sums))?;
                 // smaller ones are never joined again
                 gone = area.points < self.rules.gap_points && !self.stays(slot);

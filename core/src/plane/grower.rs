@@ -44,6 +44,9 @@ impl Grower<'_> {
                 let mut fitted = areas.fitted(slot);
                 let (sums, errors) = self.line.sums(false, run.clone(), fitted.m, &mut self.cached);
                 fitted.extend(&sums, &errors);
+                if self.line.offset_m != 0.0 {
+                    fitted.move_on(&sums, self.line.offset_m, self.line.known_rows);
+                }
                 areas.extend(slot, &run, &fitted, count_bits(self.returns, &run));
             }
             start = end;

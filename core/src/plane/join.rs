@@ -6,7 +6,7 @@
 
 use core::ops::{ControlFlow, Range};
 
-use crate::arithmetic::{cross, dot, lone_inverse_sqrt, plus};
+use crate::arithmetic::{cross, dot, lone_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
 use crate::plane::rules::{ALONE_LEAN, MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
@@ -40,7 +40,7 @@ impl Areas<'_> {
             let out = plus(c, -dot(c, self.axis), self.axis);
             let square = dot(out, out);
             let square = if square > 1e-9 { square } else { 1e-9 };
-            let slope = ALONE_LEAN * libm::sqrtf(dot(line.m, line.m)) * lone_inverse_sqrt(square);
+            let slope = ALONE_LEAN * lone_sqrt(dot(line.m, line.m) / square);
             out.map(|x| slope * x)
         };
         let slope = m.map_or_else(leaning, |m| cross(m, self.axis));

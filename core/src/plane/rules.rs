@@ -58,8 +58,7 @@ pub(crate) const ALONE_LEAN: f32 = 1.0;
 /// Of the variance of what a row is off by, what is left after its correction.
 pub(crate) const LEFT_OF_TURN: f32 = 0.25;
 
-/// The same of the offsets of rings. Twice as much costs 2 points where rings are 20 mm off, and half of
-/// the segments more lie on two surfaces. Less finds no more.
+/// The same of the offsets of rings. Twice or half as much costs up to 5 points where rings are 20 mm off.
 pub(crate) const LEFT_OF_RING: f32 = 0.03;
 
 /// Most that one row tells of what rows are off by, as a multiple of the variance that is known.

@@ -30,6 +30,8 @@ pub(crate) struct Scanline<'a> {
     /// Ranges are too large by this, metres: the offset of the ring of a spinning scanner. It is taken
     /// off them.
     pub offset_m: f32,
+    /// Rows of the oldest plane that tells of that offset.
+    pub known_rows: f32,
     /// Variance of what all pixels of the row are off by alike: rad^2 of its turn, m^2 of the offset
     /// of its ring. To begin with what is stated, then with what the scan tells.
     pub off2: f32,

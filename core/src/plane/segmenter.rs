@@ -269,7 +269,7 @@ impl<'a> PlaneSegmenter<'a> {
         areas.weigh(1.0 / (line.alike_px * line.alike_px));
         if let Some(by) = turns.of_row(&line, carried.slots, areas, beam.beams.turn_rad, self.scratch) {
             if fan.spins() {
-                line.offset_m = by;
+                (line.offset_m, line.known_rows) = (by, f32::from(turns.rows));
             } else {
                 line.turned_rad = by;
             }
@@ -279,6 +279,7 @@ impl<'a> PlaneSegmenter<'a> {
         // a turn stays in the sums, an offset is taken off
         line.off2 = if line.offset_m != 0.0 { left2 } else { told2 };
         areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
+        areas.ring_m2 = if fan.spins() { told2 } else { 0.0 };
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;
@@ -341,6 +342,7 @@ fn scanline<'r>(
         alike_px: ranging.noise_correlation_px,
         turned_rad: 0.0,
         offset_m: 0.0,
+        known_rows: 0.0,
         // stated where rows turn; none is stated of the offsets of rings
         off2: if fan.turns() { ranging.turn_noise_rad * ranging.turn_noise_rad } else { 0.0 },
         gap_columns: config.rules.gap_columns,

@@ -57,6 +57,8 @@ pub(crate) struct Turns {
     last: Option<Off>,
     /// Turn of the last row as reported, and what it was more.
     last_rad: [f32; 2],
+    /// Rows of the oldest plane that tells of the last row.
+    pub rows: u16,
 }
 
 impl Turns {
@@ -124,14 +126,22 @@ impl Turns {
     }
 
     /// What a row is off by; `None` if it does not tell, or if what it tells is not believed.
-    fn find(&self, line: &Scanline, above: &[u16], areas: &Areas, turn_rad: f32, scratch: &mut [f32]) -> Option<Off> {
+    fn find(
+        &mut self,
+        line: &Scanline,
+        above: &[u16],
+        areas: &Areas,
+        turn_rad: f32,
+        scratch: &mut [f32],
+    ) -> Option<Off> {
         let rules = areas.rules;
         let turns = line.fan.turns();
         if !turns && !line.fan.spins() {
             return None;
         }
         let expected = if turns { rules.turn_rad } else { rules.ring_m };
-        let samples = samples(line, above, areas, expected, scratch);
+        let (samples, rows) = samples(line, above, areas, expected, scratch);
+        self.rows = rows;
         if samples.len() < 3 {
             return None;
         }
@@ -164,11 +174,11 @@ fn samples<'s>(
     areas: &Areas,
     expected: f32,
     scratch: &'s mut [f32],
-) -> &'s mut [Sample] {
+) -> (&'s mut [Sample], u16) {
     let rules = areas.rules;
     let turns = line.fan.turns();
     let samples = scratch.as_chunks_mut().0;
-    let mut count = 0;
+    let (mut count, mut oldest) = (0, 0);
     let (mut known, mut along, mut cached) = (FULL, None, Cached::empty());
     let mut column = 0;
     while column < above.len() {
@@ -177,6 +187,7 @@ fn samples<'s>(
             let (rows, points) = if slot < FULL { areas.size(slot) } else { (0, 0) };
             let large = rows >= rules.turn_rows && points >= rules.turn_points;
             known = slot;
+            oldest = if large && rows > oldest { rows } else { oldest };
             along = if large { areas.plane(slot).map(|plane| line.along(plane)) } else { None };
         }
         if let Some(Along { a, b, k, turned }) = along {
@@ -194,7 +205,7 @@ fn samples<'s>(
         }
         column += stride(above.len());
     }
-    part_mut(samples, 0..count)
+    (part_mut(samples, 0..count), oldest)
 }
 
 /// The little that a row is off by if it is where it is said to be, as most rows are: nine of ten

@@ -103,7 +103,8 @@ impl Fitted {
         Fitted { sums, m: plus(m, 1.0, d), squares: positive(errors.squares - saved) }
     }
 
-    /// Takes more points; their errors are against this plane, about their own mean.
+    /// Takes more points; their errors are against this plane, about their own mean. Called on a microcontroller.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn extend(&mut self, more: &Sums, errors: &Errors) {
         let sums = self.sums.and(more);
         let along = plus(errors.along, errors.sum, less(more.c, sums.c));
@@ -180,7 +181,7 @@ pub(crate) mod tests {
     }
 
     /// Least squares in f64: the plane and chi-square.
-    fn exact(points: &[Point]) -> ([f64; 3], f64) {
+    pub(crate) fn exact(points: &[Point]) -> ([f64; 3], f64) {
         let mut a = [[0.0; 4]; 3];
         for &(u, q, w) in points {
             for (i, row) in a.iter_mut().enumerate() {

@@ -2,6 +2,7 @@
 
 pub(crate) mod fitted;
 pub(crate) mod plane;
+pub(crate) mod rings;
 pub(crate) mod sums;
 
 pub use fitted::Fitted;

@@ -2,7 +2,7 @@
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
 use crate::arithmetic::dot;
-use crate::arithmetic::plus;
+use crate::arithmetic::{lone_sqrt, plus};
 use crate::plane_fit::Plane;
 use crate::weighted::fitted::Fitted;
 
@@ -38,7 +38,7 @@ impl Fitted {
     /// Cost: some 300 operations in single precision.
     #[must_use]
     pub fn plane(&self, pixels: u32) -> Option<Plane> {
-        let size = libm::sqrtf(dot(self.m, self.m));
+        let size = lone_sqrt(dot(self.m, self.m));
         if pixels < 4 || size <= 0.0 {
             return None;
         }
@@ -49,9 +49,9 @@ impl Fitted {
         // of the incidence
         let q = dot(self.sums.c, self.m);
         let q = if q > 0.0 { q } else { size };
-        let rms_m = libm::sqrtf(self.squares / self.sums.all) * distance_m / q;
+        let rms_m = lone_sqrt(self.squares / self.sums.all) * distance_m / q;
         let scale = self.squares / (n - 3.0);
-        let sd = if scale > 1.0 { libm::sqrtf(scale) } else { 1.0 };
+        let sd = if scale > 1.0 { lone_sqrt(scale) } else { 1.0 };
         let noise = self.sums.factor(0.0).deviations().map(|v| v.map(|c| c * sd));
         let rounding = [0, 1, 2].map(|i| core::array::from_fn(|j| if i == j { ROUNDING * size } else { 0.0 }));
         let mut covariance = [[0.0; 4]; 4];

@@ -7,7 +7,7 @@
 //! planes are found as differences from planes: nothing cancels, and single precision is enough.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::{dot, less, plus};
+use crate::arithmetic::{dot, less, lone_sqrt, plus};
 
 /// Weights and beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,6 +49,7 @@ impl Sums {
 
     /// The sums of points whose errors all change by g . u for each unit of something that nobody knows but for
     /// its variance: it is left out of what they tell.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn without(&self, g: [f32; 3], variance: f32) -> Sums {
         let along = self.scatter(g);
         let at_mean = dot(self.c, g);
@@ -62,14 +63,16 @@ impl Sums {
         Sums { w, all: self.all, c: plus(self.c, -share * at_mean, along), s }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn scatter(&self, v: [f32; 3]) -> [f32; 3] {
         let [xx, yy, zz, xy, xz, yz] = self.s;
         let [x, y, z] = v;
         [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
     }
 
-    /// The errors that points on a plane have against one that differs from it by d.
+    /// The errors that points on a plane have against one that differs from it by d. Called on a microcontroller.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn change(&self, d: [f32; 3]) -> Errors {
         let along = self.scatter(d);
         let at_mean = dot(self.c, d);
@@ -128,6 +131,7 @@ pub(crate) struct Factor {
 
 impl Factor {
     /// The change of the plane for errors about the same mean, and the squares that it saves.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn solve(&self, errors: &Errors) -> ([f32; 3], f32) {
         let (own, saved) = self.forth(errors);
         (self.back(own), saved)
@@ -168,7 +172,7 @@ impl Factor {
 
     /// Three vectors v whose products v v' add up to the covariance of the plane.
     pub fn deviations(&self) -> [[f32; 3]; 3] {
-        let [p, q, h] = self.d.map(libm::sqrtf);
+        let [p, q, h] = self.d.map(lone_sqrt);
         [self.back([p, 0.0, 0.0]), self.back([0.0, q, 0.0]), self.back([0.0, 0.0, h])]
     }
 
