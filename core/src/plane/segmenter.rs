@@ -278,8 +278,7 @@ impl<'a> PlaneSegmenter<'a> {
         let left2 = told2 * if line.offset_m != 0.0 { LEFT_OF_RING } else { LEFT_OF_TURN };
         // a turn stays in the sums, an offset is taken off
         line.off2 = if line.offset_m != 0.0 { left2 } else { told2 };
-        areas.turn_rad2 = if fan.spins() { 0.0 } else { line.off2 };
-        areas.ring_m2 = if fan.spins() { told2 } else { 0.0 };
+        (areas.turn_rad2, areas.ring_m2) = if fan.spins() { (0.0, told2) } else { (line.off2, 0.0) };
         follow(&line, carried.slots, areas, left2, &mut followed, slots);
 
         let Followed { returns, free, .. } = followed;

@@ -104,6 +104,7 @@ impl Fitted {
     }
 
     /// Takes more points; their errors are against this plane, about their own mean. Called on a microcontroller.
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn extend(&mut self, more: &Sums, errors: &Errors) {
         let sums = self.sums.and(more);

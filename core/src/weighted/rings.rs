@@ -21,12 +21,12 @@ impl Fitted {
     /// Moves the plane by what a row that it has just taken makes of it, of whose ranges an offset was taken off.
     /// `rows`: those of the oldest plane that told it. The squares are those without offsets.
     pub(crate) fn move_on(&mut self, row: &Sums, offset_m: f32, rows: f32) {
-        let most = NEWER * self.sums.w / rows;
-        let part = if row.w < most { 1.0 } else { most / row.w };
+        let part = NEWER * self.sums.w / (rows * row.w);
+        let part = if part < 1.0 { part } else { 1.0 };
         // 1 / r is less by q^2 for each metre, and q changes along the row
         let q = dot(row.c, self.m);
-        let by = plus(self.m.map(|m| 2.0 * m), -q / dot(row.c, row.c), row.c);
-        let mut errors = row.change(by.map(|x| -offset_m * part * q * x));
+        let by = plus(self.m, -0.5 * q / dot(row.c, row.c), row.c);
+        let mut errors = row.change(plus([0.0; 3], -2.0 * q * offset_m * part, by));
         errors.squares = 0.0;
         self.extend(&Sums { c: row.c, ..Sums::default() }, &errors);
     }
@@ -35,7 +35,7 @@ impl Fitted {
     /// farther on average, which shifts it and tilts it along the row, or farther from row to row, which
     /// tilts it across.
     pub(crate) fn known_by_rings(&self, variance_m2: f32, rings: f32) -> Fitted {
-        if variance_m2 == 0.0 {
+        if variance_m2.to_bits() == 0 {
             return *self;
         }
         let Sums { c, s: [_, _, zz, ..], .. } = self.sums;
