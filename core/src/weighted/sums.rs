@@ -63,16 +63,17 @@ impl Sums {
         Sums { w, all: self.all, c: plus(self.c, -share * at_mean, along), s }
     }
 
-    #[cfg_attr(not(target_os = "none"), inline(always))]
-    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(all(target_os = "none", target_abi = "eabi")), inline(always))]
+    #[cfg_attr(all(target_os = "none", target_abi = "eabi"), inline(never))]
     fn scatter(&self, v: [f32; 3]) -> [f32; 3] {
         let [xx, yy, zz, xy, xz, yz] = self.s;
         let [x, y, z] = v;
         [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
     }
 
-    /// The errors that points on a plane have against one that differs from it by d. Called on a microcontroller.
-    #[cfg_attr(target_os = "none", inline(never))]
+    /// The errors that points on a plane have against one that differs from it by d. Called where floats are
+    /// software.
+    #[cfg_attr(all(target_os = "none", target_abi = "eabi"), inline(never))]
     pub fn change(&self, d: [f32; 3]) -> Errors {
         let along = self.scatter(d);
         let at_mean = dot(self.c, d);
@@ -130,7 +131,8 @@ pub(crate) struct Factor {
 }
 
 impl Factor {
-    /// The change of the plane for errors about the same mean, and the squares that it saves.
+    /// The change of the plane for errors about the same mean, and the squares that it saves. Called on a
+    /// microcontroller: 0.3 KB less.
     #[cfg_attr(target_os = "none", inline(never))]
     pub fn solve(&self, errors: &Errors) -> ([f32; 3], f32) {
         let (own, saved) = self.forth(errors);
