@@ -15,7 +15,7 @@ static STREAM: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/stream.bin"));
 static ANSWERS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/answers.bin"));
 
 /// Times of a byte after the last one, within which all frames go out.
-const AFTER: u32 = 50_000;
+const AFTER: u32 = 5_000;
 
 // SAFETY: these are registers of the CMSDK timer 1 on the boards AN386 and AN500.
 const CONTROL: Register = unsafe { Register::at(0x4000_1000) };
