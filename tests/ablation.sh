@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What each rule of the default is worth: correct detections (T = 0.8, %) at 0, 5 and 10 mm with the
 # rule switched off, on the tuning and the validation scenes; and the recorded scans with known
-# planes, where ../shared/data is there: of the corridor the mean of 16 draws of half a millimetre of noise. Some five minutes.
+# planes, where ../shared/data is there: of the corridor the mean of 16 draws of half a millimetre of noise. One to five minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet -p scanseg-sim --example quality
