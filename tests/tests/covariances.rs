@@ -162,19 +162,19 @@ fn errors(draws: u64, panels: bool, off: Off) -> BTreeMap<usize, Vec<Error>> {
     errors
 }
 
-fn mean<'a>(squares: impl IntoIterator<Item = &'a f64>) -> f64 {
-    let squares: Vec<_> = squares.into_iter().collect();
-    squares.iter().copied().sum::<f64>() / squares.len() as f64
+fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
 }
 
 fn mean_square<'a>(errors: impl IntoIterator<Item = &'a Error>) -> f64 {
-    mean(&errors.into_iter().map(|error| error.square).collect::<Vec<_>>())
+    mean(errors.into_iter().map(|error| error.square))
 }
 
 /// Prints how far off each of the six walls is.
 fn print_walls(errors: &BTreeMap<usize, Vec<Error>>) {
     for (wall, errors) in errors.range(..6) {
-        let root = |of: fn(&Error) -> f64| mean(&errors.iter().map(|e| of(e).powi(2)).collect::<Vec<_>>()).sqrt();
+        let root = |of: fn(&Error) -> f64| mean(errors.iter().map(|error| of(error).powi(2))).sqrt();
         let [mm, mrad] = [root(|error| error.distance_m), root(|error| error.normal_rad)].map(|off| 1e3 * off);
         let (square, draws) = (mean_square(errors), errors.len());
         println!("wall {wall}: {square:.2} of {draws} draws, off by {mm:.2} mm and {mrad:.2} mrad");
@@ -218,8 +218,9 @@ fn walls_without_noise_have_a_covariance() {
             squares.push(error(&plane, &wall).square);
         }
         let most = squares.iter().copied().fold(0.0, f64::max);
-        println!("{:?}: {:.2} on average, {most:.2} at most", config.approach(), mean(&squares));
-        assert!(mean(&squares) < 3.0 && most < 12.0, "{squares:?}");
+        let mean = mean(squares.iter().copied());
+        println!("{:?}: {mean:.2} on average, {most:.2} at most", config.approach());
+        assert!(mean < 3.0 && most < 12.0, "{squares:?}");
     }
 }
 
@@ -305,8 +306,9 @@ fn small_planes_tell_how_far_off_they_are() {
     let errors = errors(DRAWS / 2, true, Off::TurnRad(0.0));
     let small: Vec<f64> = errors.range(6..).flat_map(|(_, errors)| errors).map(|error| error.square).collect();
     let beyond = small.iter().filter(|&&square| square > 7.815).count() as f64 / small.len() as f64;
-    println!("{} panels: mean {:.2}, {:.3} beyond the bound", small.len(), mean(&small), beyond);
-    assert!(small.len() as u64 > 22 * DRAWS / 2 && (2.4..3.2).contains(&mean(&small)) && beyond < 0.1);
+    let mean = mean(small.iter().copied());
+    println!("{} panels: mean {mean:.2}, {beyond:.3} beyond the bound", small.len());
+    assert!(small.len() as u64 > 22 * DRAWS / 2 && (2.4..3.2).contains(&mean) && beyond < 0.1);
 }
 
 /// Weighted least squares in f64 of the pixels of a label: the plane m, its information, the sum of

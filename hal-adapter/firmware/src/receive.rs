@@ -16,7 +16,7 @@ use crate::figures;
 /// The queue, of [`ROOM`] bytes.
 pub type Bytes = Queue<u8, { ROOM + 1 }>;
 
-/// Bytes that come while the loop does its longest work, and a margin: 177 by the default at 168 MHz,
+/// Bytes that come while the loop does its longest work, and a margin: 211 by the default at 168 MHz,
 /// see README.md. At 500 000 Bd they are 5.1 ms.
 pub const ROOM: usize = 255;
 
