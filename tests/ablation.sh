@@ -27,6 +27,7 @@ line "nothing joins across a gap" gap_points=4294967295
 line "pieces join whatever lies between" hidden=0
 line "no join within the noise, by chance only" bent=-1e9
 line "surfaces are as flat as the noise is said to be" uneven=0
+line "areas that join are no rougher than the noise" rougher=1
 line "large areas that bend do not join" bend_step=0
 line "seams of the servo part areas" seam_rad=0
 line "the turn is what the encoder says" turn_gain=1e9

@@ -176,6 +176,20 @@ fn noise_that_grows() {
     }
 }
 
+/// Noise of which a little more is measured near by than far away is not taken to grow: at 12 m it is that of
+/// 6 m. Nor does it fall: what is measured far away counts near by, where surfaces may be rough.
+#[test]
+fn noise_that_does_not_grow() {
+    for (near_m, far_m) in [(0.006, 0.005), (0.03, 0.005)] {
+        let noise_m = |range_m: f64| if range_m < 3.0 { near_m } else { far_m };
+        let scan = walls(rig(0.006), [100, 100], [1.0, 6.0], noise_m);
+        for (counted_m, _) in told(&scan, Ranging::new(0.0), [1.0, 6.0, 12.0, 20.0]) {
+            println!("{near_m} m, then {far_m} m: {counted_m:.4}");
+            assert!((0.75..1.1).contains(&(f64::from(counted_m) / far_m)), "{near_m} m, then {far_m} m: {counted_m}");
+        }
+    }
+}
+
 /// Ranges in coarse steps: most second differences are 0, and yet the noise is about that of rounding,
 /// not 0.
 #[test]

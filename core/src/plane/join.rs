@@ -6,7 +6,7 @@
 
 use core::ops::{ControlFlow, Range};
 
-use crate::arithmetic::{cross, dot, lone_sqrt, plus};
+use crate::arithmetic::{below, cross, dot, lone_sqrt, plus};
 use crate::plane::areas::{Areas, FULL};
 use crate::plane::noise::Variance;
 use crate::plane::rules::{ALONE_LEAN, MEETS, MOST_RATIO, TRIED_AREAS, WIDE};
@@ -82,7 +82,11 @@ impl Areas<'_> {
         let wobble1 = self.wobble(&one.sums, common.fitted.m, n1);
         let wobble2 = self.wobble(&other.sums, common.fitted.m, n2);
         let (small, wobble) = if n1 < n2 { (n1, wobble1) } else { (n2, wobble2) };
-        let by_chance = common.one + common.other < rules.chance + (rules.uneven + wobble) * small;
+        // squares beyond the noise say that it is more here than it is said to be
+        let own = (one.squares + other.squares) / (n1 + n2);
+        let own = if below(own, 1.0) { 1.0 } else { own };
+        let own = if below(own, rules.rougher) { own } else { rules.rougher };
+        let by_chance = common.one + common.other < own * (rules.chance + (rules.uneven + wobble) * small);
         let near = |squares: f32, n: f32, wobble: f32| squares < (1.0 + rules.bent + wobble) * n;
         let all = near(one.squares + common.one, n1, wobble1) && near(other.squares + common.other, n2, wobble2);
         (by_chance || all).then_some(common.fitted)
@@ -267,5 +271,28 @@ mod tests {
             areas.bends(walls[0], walls[1], [1.0, 0.0, 0.0], &variance).is_some()
         };
         assert_eq!([bends(0.01, 1000), bends(0.006, 1000), bends(0.01, 999)], [true, false, false]);
+    }
+
+    /// Walls of 400 pixels side by side, 4 m away and `step_m` farther, each with `rough` of the noise of 10 mm as its
+    /// squares, join where the step is within the noise that they tell themselves: at most four times the variance.
+    #[test]
+    fn a_step_within_what_walls_are_rough_by() {
+        let joins = |rough: f32, step_m: f32| {
+            let (mut table, mut pairs) = ([Area::EMPTY; 2], [0; 16]);
+            let mut areas = Areas::new(&mut table, Tried::new(&mut pairs), [0.0; 3], &Rules::TUNED, false);
+            areas.reset();
+            let [one, other] = [(-0.2, 4.0), (0.2, 4.0 + step_m)].map(|(y, range_m): (f32, f32)| {
+                let w = 400.0 * 256.0 / 1e-4;
+                let scatter = 0.01 * w;
+                let sums = [w, w, (1.0 - y * y).sqrt(), y, 0.0, 0.0, scatter, scatter, 0.0, 0.0, 0.0];
+                let mut numbers = [0.0; 15];
+                numbers[..11].copy_from_slice(&sums);
+                (numbers[11], numbers[14]) = (1.0 / range_m, 400.0 * rough);
+                areas.begin(&(0..400), &Fitted::from_numbers(numbers), 400)
+            });
+            areas.common(one, other).is_some()
+        };
+        let most_mm = |rough: f32| (1..50).take_while(|&mm| joins(rough, 1e-3 * mm as f32)).last();
+        assert_eq!([1.0, 2.0, 4.0, 20.0].map(most_mm), [14, 17, 25, 25].map(Some));
     }
 }

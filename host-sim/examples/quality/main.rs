@@ -136,6 +136,7 @@ fn rules(changes: impl Iterator<Item = String>) -> Result<Rules, Box<dyn error::
             ("chance", number) => set(&mut rules.chance, number)?,
             ("uneven", number) => set(&mut rules.uneven, number)?,
             ("bent", number) => set(&mut rules.bent, number)?,
+            ("rougher", number) => set(&mut rules.rougher, number)?,
             ("rough", number) => set(&mut rules.rough, number)?,
             ("gap_points", number) => set(&mut rules.gap_points, number)?,
             ("hidden", number) => set(&mut rules.hidden, number)?,

@@ -89,6 +89,7 @@ fn lines() -> Vec<Line> {
         Line::missing("60 % missing", Missing::Share(0.6)),
         Line { sensor: noisy(Sensor::nodding(400, 721)), ..Line::new("400 x 721", Trouble::None) },
         Line { sensor: spinning(), ..Line::new("spinning 128 x 1024", Trouble::None) },
+        Line { sensor: spinning(), said: silent, ..Line::new("spinning 128 x 1024, unsaid", Trouble::None) },
         Line { sensor: spinning(), ..Line::new("spinning, rings 20 mm off", rings) },
         Line { sensor: noisy(nodding()).from_below(), ..Line::new("from below", Trouble::None) },
         Line {
@@ -96,9 +97,21 @@ fn lines() -> Vec<Line> {
             ..Line::new("walls square", Trouble::None)
         },
         Line { scene: Scene::hall, sensor: millimetres.clone(), ..Line::new("hall, 30 m", Trouble::None) },
+        Line {
+            scene: Scene::hall,
+            sensor: millimetres.clone(),
+            said: silent,
+            ..Line::new("hall, 30 m, unsaid", Trouble::None)
+        },
         Line::new("rough ground, 20 mm", rough),
         Line { scene: Scene::attic, ..Line::new("attic with stairs", Trouble::None) },
         Line { scene: Scene::street, sensor: millimetres.clone(), ..Line::new("street, trees", Trouble::None) },
+        Line {
+            scene: Scene::street,
+            sensor: millimetres.clone(),
+            said: silent,
+            ..Line::new("street, trees, unsaid", Trouble::None)
+        },
         Line { scene: Scene::street, sensor: millimetres, ..Line::new("street, rough road, 20 mm", rough) },
     ]
 }
