@@ -143,9 +143,9 @@ pub struct Rules {
     /// Excess over the noise at which an area still lies near a plane: scanners with less noise
     /// than they are said to have bend their ranges.
     pub bent: f32,
-    /// Most that the squares of two areas may count for more noise than is known, where they join by chance. Without it walls that
-    /// a camera bends come in half as many pieces more, and planes of the recorded corridors overlap by 0.01 to 0.02 less; at 6 it
-    /// joins pieces of two walls there.
+    /// Most by which the squares of two areas say that the noise is more than is known, where they join by chance: twice its
+    /// standard deviation. At 1 a recorded office seen by a camera comes in 67 pieces instead of 48, and planes of the recorded
+    /// corridors overlap by 0.01 to 0.02 less; at 6 pieces of two walls of that office join.
     pub rougher: f32,
     /// Variances of the turn angle by which a surface may be bent. Half as many find two points more where
     /// turns are off, and tear the walls of the recorded corridors (0.88 to 0.85).
