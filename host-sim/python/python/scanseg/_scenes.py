@@ -125,6 +125,6 @@ def office(
     >>> office = scanseg.office(3, noise_m=0.01)
     >>> result = scanseg.segment(office.ranges, office.beams)
     >>> scanseg.evaluate(result.labels, office.truth, min_pixels=30).correct
-    7
+    8
     """
     return Office(**_scanseg.office(scene, set, sensor, shape, noise_m, seed))
