@@ -232,8 +232,7 @@ impl Measured {
         if 16 * u32::from(self.totals[class]) < self.all() {
             return None;
         }
-        let factor = self.factor(class, rules)?;
-        let factor = lesser(factor, most);
+        let factor = lesser(self.factor(class, rules)?, most);
         let counts = !below(factor, rules.noise_trust);
         Some(if counts { factor * stated.lone_at(self.means_m[class]) * rules.noise_less } else { 0.0 })
     }

@@ -59,7 +59,7 @@ impl Variance {
         sd * sd + step * step + self.least_m2
     }
 
-    /// [`Variance::at`] outside of the loops over pixels: called on a microcontroller, it is there once.
+    /// [`Variance::at`] where not every pixel asks for it: called on a microcontroller, it is there once.
     #[cfg_attr(not(target_os = "none"), inline)]
     #[cfg_attr(target_os = "none", inline(never))]
     pub fn lone_at(&self, range_m: f32) -> f32 {

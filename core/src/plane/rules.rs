@@ -145,7 +145,7 @@ pub struct Rules {
     pub bent: f32,
     /// Most by which the squares of two areas say that the noise is more than is known, where they join by chance: twice its
     /// standard deviation. At 1 a recorded office seen by a camera comes in 67 pieces instead of 48, and planes of the recorded
-    /// corridors overlap by 0.01 to 0.02 less; at 6 pieces of two walls of that office join.
+    /// corridors overlap by 0.01 to 0.02 less. At 6, pieces of two walls of that office join.
     pub rougher: f32,
     /// Variances of the turn angle by which a surface may be bent. Half as many find two points more where
     /// turns are off, and tear the walls of the recorded corridors (0.88 to 0.85).

@@ -63,8 +63,8 @@ fn turn(points: [Vector3<f64>; 3], thresholds: &Thresholds, doubt: &mut Doubt) -
     let (a, b, span) = (here - before, after - here, after - before);
     let [before_m, here_m, after_m] = points.map(|point| point.norm());
     let angle_rad = angle_between(a, b);
-    // f32 has its points to within 7e-7 of their range, and the square of a sine to within 4e-7: for a small angle that
-    // is as much as its square, and the angle is off by up to that over itself
+    // f32 has its points to within 7e-7 of their range, and the square of a cosine to within 4e-7. A small angle is off by
+    // up to that over itself: t - sqrt(t^2 - e) is at most e / t
     let square = 4e-7 / angle_rad.max(thresholds.line_angle_rad);
     let chords = before_m.max(here_m) / a.norm() + after_m.max(here_m) / b.norm();
     let error_rad = 1.5e-6 * chords + 1e-6 + square;
