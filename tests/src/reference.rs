@@ -23,6 +23,7 @@ pub mod planes;
 pub mod regions;
 pub mod row_lines;
 mod settings;
+pub mod weighted;
 
 pub use image::{Image, Size, Trace};
 pub use settings::Settings;

@@ -16,6 +16,7 @@ mod labels_and_planes;
 mod memory;
 mod missing_pixels;
 mod noise;
+mod offices;
 mod one_plane;
 mod planes;
 mod properties;

@@ -6,6 +6,7 @@ use scanseg_core::{
     AnyConfig, EdgeConfig, Plane, PlaneConfig, Ranging, RegionConfig, Rules, Segment, SegmentSums, TurnAxis,
 };
 use scanseg_tests::checks::planes::{assert_sound, covariance};
+use scanseg_tests::reference::weighted::{Fit, Noise, Return};
 use scanseg_tests::scenes::uniform;
 use scanseg_tests::stream::{Angles, Record, Rig, Scan};
 use std::collections::BTreeMap;
@@ -311,57 +312,22 @@ fn small_planes_tell_how_far_off_they_are() {
     assert!(small.len() as u64 > 22 * DRAWS / 2 && (2.4..3.2).contains(&mean) && beyond < 0.1);
 }
 
-/// Weighted least squares in f64 of the pixels of a label: the plane m, its information, the sum of
-/// the weights, their mean beam, and chi-square.
-struct Exact {
-    m: Vector3<f64>,
-    information: Matrix3<f64>,
-    weight: f64,
-    beam: Vector3<f64>,
-    squares: f64,
+/// Weighted least squares in f64 of the pixels of a label.
+fn exact(drawn: &Drawn, labels: &[u32], label: u32) -> Fit {
+    let beams = drawn.scan.reference_beams();
+    let pixels = drawn.scan.size().pixels().zip(labels).zip(&drawn.scan.range_m).filter(|((_, l), _)| **l == label);
+    let one = |((pixel, _), &r): ((_, _), &f32)| Return { beam: beams.direction(pixel), range_m: r.into() };
+    let noise = Noise { ranging: Ranging::new(NOISE_M as f32), least_m: LEAST_NOISE_M, least_rad: 0.0 };
+    noise.fit(&pixels.map(one).collect::<Vec<_>>()).unwrap()
 }
 
-impl Exact {
-    fn of(drawn: &Drawn, labels: &[u32], label: u32) -> Exact {
-        let beams = drawn.scan.reference_beams();
-        let pixels = drawn.scan.size().pixels().zip(labels).zip(&drawn.scan.range_m).filter(|((_, l), _)| **l == label);
-        let points: Vec<_> = pixels.map(|((pixel, _), &r)| (beams.direction(pixel), f64::from(r))).collect();
-        let mut exact = Exact {
-            m: Vector3::zeros(),
-            information: Matrix3::zeros(),
-            weight: 0.0,
-            beam: Vector3::zeros(),
-            squares: 0.0,
-        };
-        for step in 0..5 {
-            let mut right = Vector3::zeros();
-            let m = exact.m;
-            exact = Exact { information: Matrix3::zeros(), weight: 0.0, beam: Vector3::zeros(), squares: 0.0, ..exact };
-            for (u, range_m) in &points {
-                // the range error, linear in m; to begin with about the range itself
-                let q = if step == 0 { 1.0 / range_m } else { u.dot(&m) };
-                let error = if step == 0 { q } else { q * (1.0 - range_m * q) };
-                let weight = (q.powi(4) * (NOISE_M * NOISE_M + LEAST_NOISE_M * LEAST_NOISE_M)).recip();
-                exact.information += weight * u * u.transpose();
-                right += weight * error * u;
-                exact.weight += weight;
-                exact.beam += weight * u;
-                exact.squares += weight * error * error;
-            }
-            exact.m += exact.information.try_inverse().unwrap() * right;
-            exact.beam /= exact.weight;
-        }
-        exact
-    }
-
-    /// Covariance of normal and distance.
-    fn covariance(&self) -> Matrix4<f64> {
-        let distance_m = 1.0 / self.m.norm();
-        let n = -self.m * distance_m;
-        let to_normal = -distance_m * (Matrix3::identity() - n * n.transpose());
-        let change = Matrix4x3::from_fn(|i, j| if i < 3 { to_normal[(i, j)] } else { n[j] * distance_m * distance_m });
-        change * self.information.try_inverse().unwrap() * change.transpose()
-    }
+/// Covariance of normal and distance of a plane.
+fn covariance_of(exact: &Fit) -> Matrix4<f64> {
+    let distance_m = 1.0 / exact.m.norm();
+    let n = -exact.m * distance_m;
+    let to_normal = -distance_m * (Matrix3::identity() - n * n.transpose());
+    let change = Matrix4x3::from_fn(|i, j| if i < 3 { to_normal[(i, j)] } else { n[j] * distance_m * distance_m });
+    change * exact.information.try_inverse().unwrap() * change.transpose()
 }
 
 /// Planes of all sizes, found row by row and from pieces, are those of weighted least squares in
@@ -381,7 +347,7 @@ fn planes_are_those_of_weighted_least_squares() {
         let record = drawn.record(0.0, rules);
         let labels = record.labels();
         for (_, segment) in drawn.found(&record) {
-            let exact = Exact::of(&drawn, &labels, segment.label.0);
+            let exact = exact(&drawn, &labels, segment.label.0);
             let (plane, distance_m) = (segment.plane().unwrap(), 1.0 / exact.m.norm());
             let SegmentSums::Fitted { pixels, fitted } = segment.sums else { panic!("{segment:?}") };
             let [.., x, y, z, squares] = fitted.numbers();
@@ -397,7 +363,7 @@ fn planes_are_those_of_weighted_least_squares() {
             let centroid_off = Vector3::from(segment.centroid_m().map(f64::from)) - centroid_m;
             assert!(centroid_off.norm() < 0.01, "{centroid_off}");
             let scale = (exact.squares / f64::from(pixels - 3)).max(1.0);
-            let (found, expected) = (covariance(&plane), exact.covariance() * scale);
+            let (found, expected) = (covariance(&plane), covariance_of(&exact) * scale);
             for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
                 // with the share of rounding
                 let [one, other] = [i, j].map(|i| expected[(i, i)] + 1e-11);

@@ -2,7 +2,7 @@
 //! They are 0 on any plane.
 #![allow(clippy::indexing_slicing)] // arrays of known length
 
-use crate::arithmetic::below;
+use crate::arithmetic::{below, lone_sqrt};
 use crate::plane::alike::Alike;
 use crate::plane::noise::Variance;
 use crate::plane::rules::{LEAN, Rules};
@@ -42,6 +42,8 @@ const STEP_SIZES: usize = 6;
 const FEWEST_STEPPED: u16 = 200;
 /// Of a chunk every so many second differences count.
 const STRIDE: usize = 3;
+/// Square of the range beyond which measured noise is not taken to grow, m^2.
+const MOST_MEASURED_M2: f32 = 144.0;
 /// Squares of second differences across edges are so many binary exponents above that of the noise, or more.
 const EDGE_STEPS: usize = 3;
 
@@ -251,18 +253,23 @@ impl Measured {
         if least_m2 == f32::INFINITY {
             return *stated;
         }
-        let mut grown = 0.0;
+        let (mut grown, mut to_m2) = (0.0, 0.0);
         for ((square_m2, &r), &total) in squares.into_iter().zip(&self.means_m).zip(&self.totals) {
             let Some(square_m2) = square_m2 else { continue };
             let more = (square_m2 - least_m2) / (r * r * r * r + NEAREST_M4);
             if below(rules.noise_trust * least_m2, square_m2) {
-                grown = if below(grown, more) { more } else { grown };
+                if below(grown, more) {
+                    grown = more;
+                    // nowhere beyond what is believed
+                    let most_m4 = (most * stated.lone_at(r) - least_m2) / more;
+                    to_m2 = lone_sqrt(lesser(most_m4, MOST_MEASURED_M2 * MOST_MEASURED_M2));
+                }
             } else if total >= FEWEST_STEPPED {
                 // in fewer, coarse steps are not found: they look as if there were no noise
                 grown = 0.0;
             }
         }
-        stated.with_measured([least_m2, grown])
+        stated.with_measured([least_m2, grown, to_m2])
     }
 }
 

@@ -7,18 +7,14 @@ use crate::plane::rules::Rules;
 /// Standard deviation of what is rounded to steps of 1: 1 / sqrt(12).
 const ROUNDING: f32 = 0.288_675_13;
 
-/// Square of the range beyond which measured noise is not taken to grow, m^2: that of the farthest
-/// class of ranges in which it is measured.
-const MOST_MEASURED_M2: f32 = 144.0;
-
 /// The variance of a range r: the square of `sd` on 1, r, r^2 plus that of `step` on 1, r^2 plus
-/// `least_m2`; at least `measured` on 1, r^4.
+/// `least_m2`; at least `measured` on 1, r^4, and on that of the range whose square is the third number beyond it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Variance {
     sd: [f32; 3],
     step: [f32; 2],
     least_m2: f32,
-    measured: [f32; 2],
+    measured: [f32; 3],
     /// What is stated where it is the same at all ranges, as it mostly is.
     stated_m2: Option<f32>,
     /// The variance where it is the same at all ranges.
@@ -34,7 +30,7 @@ impl Variance {
         if sd[1] == 0.0 && sd[2] == 0.0 && step[1] == 0.0 {
             stated.stated_m2 = Some(stated.stated_at(0.0));
         }
-        stated.with_measured([0.0; 2])
+        stated.with_measured([0.0; 3])
     }
 
     /// Whether anything is stated but the least.
@@ -42,9 +38,9 @@ impl Variance {
         self.sd != [0.0; 3] || self.step != [0.0; 2]
     }
 
-    /// The same, and at least so much: a constant, and what is multiplied by r^4.
-    pub fn with_measured(self, measured: [f32; 2]) -> Variance {
-        let [least_m2, grown] = measured;
+    /// The same, and at least so much: a constant, and what is multiplied by r^4, up to a square of r.
+    pub fn with_measured(self, measured: [f32; 3]) -> Variance {
+        let [least_m2, grown, _] = measured;
         let larger = |stated_m2| if below(stated_m2, least_m2) { least_m2 } else { stated_m2 };
         let constant_m2 = self.stated_m2.filter(|_| grown == 0.0).map(larger);
         Variance { measured, constant_m2, ..self }
@@ -72,10 +68,10 @@ impl Variance {
         if let Some(constant_m2) = self.constant_m2 {
             return constant_m2;
         }
-        let [constant, grown] = self.measured;
+        let [constant, grown, to_m2] = self.measured;
         let square = range_m * range_m;
         let stated = self.stated_m2.unwrap_or_else(|| self.stated_at(range_m));
-        let measured_at = if below(square, MOST_MEASURED_M2) { square } else { MOST_MEASURED_M2 };
+        let measured_at = if below(square, to_m2) { square } else { to_m2 };
         let measured = constant + grown * measured_at * measured_at;
         if below(stated, measured) { measured } else { stated }
     }
