@@ -2,7 +2,8 @@
 //! whole range image at once, in f64. Slow and obvious: it is what the streaming segmenter is
 //! compared with, and shares no code with it.
 //!
-//! The second approach of the paper, line-based region growing, is in [`lines`] and [`regions`].
+//! The second approach of the paper, line-based region growing, is in [`lines`] and [`regions`]; what the default takes for
+//! lines and planes, in [`row_lines`] and [`weighted`].
 //!
 //! Bearing angles along each trace are kept as [counts](bearing::count); every later stage starts
 //! from the count images, so that it can be compared pixel by pixel with an implementation whose

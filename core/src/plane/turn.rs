@@ -42,7 +42,7 @@ struct Off {
     by: f32,
     /// Variance of that by the noise of its pixels.
     variance: f32,
-    /// Whether it is more than noise. Then the row is looked for there.
+    /// Whether it is more than noise, and believed. Then the row is looked for there.
     is_off: bool,
 }
 
@@ -125,7 +125,7 @@ impl Turns {
         step != 0.0 && share > rules.turn_alone_least && share < rules.turn_alone_most
     }
 
-    /// What a row is off by; `None` if it does not tell, or if what it tells is not believed.
+    /// What a row is off by; `None` if it does not tell, or if what it tells of a turn is not believed.
     fn find(
         &mut self,
         line: &Scanline,
@@ -152,10 +152,10 @@ impl Turns {
         let by = off.by;
         let known = self.told2(line, rules);
         let (gain, several) = explained(samples, by, areas);
-        let believed = gain > rules.turn_gain
-            && gain > rules.turn_gain_per_pixel * samples.len() as f32
-            && (several || turns && (self.went_on(by, turn_rad, rules) || by * by <= 9.0 * known));
-        believed.then_some(off)
+        let told = gain > rules.turn_gain && gain > rules.turn_gain_per_pixel * samples.len() as f32;
+        let is_off = several || turns && (self.went_on(by, turn_rad, rules) || by * by <= 9.0 * known);
+        // of rings one plane tells how far they are off from one another, but not which of them is right
+        (told && (is_off || !turns)).then_some(Off { is_off, ..off })
     }
 }
 
