@@ -1,10 +1,11 @@
 //! Simulated offices as wholes, by planes, against weighted least squares in f64: no two segments that meet are one plane,
 //! hardly any segment is two. And the noise that is believed in them.
 
-use scanseg_core::{PlaneConfig, PlaneSegmenter, Ranging, Segmenter, TurnAxis, live_labels};
-use scanseg_sim::office::{Scene, Sensor, Set};
+use crate::common::office;
+use scanseg_core::{PlaneConfig, PlaneSegmenter, Ranging, Segmenter, live_labels};
 use scanseg_tests::reference::weighted::{Fit, Noise, Return};
-use scanseg_tests::stream::{Angles, Record, Rig, Room, Scan};
+use scanseg_tests::stream::{Record, Room, Scan};
+use scanseg_tests::walls::Kind;
 use std::collections::BTreeMap;
 
 const NOISE_M: f32 = 0.005;
@@ -15,43 +16,12 @@ const NOISE: Noise = Noise { ranging: CONFIG.ranging, least_m: 0.0015, least_rad
 /// Chi-square that a common plane, with three numbers less than two planes, adds once in a thousand times.
 const CHANCE: f64 = 16.0;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Nodding,
-    Spinning,
-    Camera,
-}
+const KINDS: [Kind; 3] = [Kind::Tilting, Kind::Around, Kind::Camera];
 
-const KINDS: [Kind; 3] = [Kind::Nodding, Kind::Spinning, Kind::Camera];
-
-/// What a scanner of coarse columns, 1 to 1.5 deg, sees of an office at [`NOISE_M`].
-fn office(kind: Kind, scene: u32) -> Scan {
-    let (rows, columns) = (100, if kind == Kind::Spinning { 240 } else { 181 });
-    let even = |start_deg: f32, step_deg: f32| Angles::Even {
-        start_rad: start_deg.to_radians(),
-        step_rad: step_deg.to_radians(),
-    };
-    let down =
-        |start_deg: f32, step_deg: f32| (0..rows).map(move |row| (start_deg - step_deg * row as f32).to_radians());
-    let (sensor, rig, turn_rad) = match kind {
-        Kind::Nodding => {
-            let rig = Rig::Nodding { angles: even(-90.0, 1.0), axis: TurnAxis::Y };
-            (Sensor::nodding(rows, columns), rig, down(50.0, 1.0).collect())
-        }
-        Kind::Spinning => {
-            let rig = Rig::Spinning { angles: even(180.0, -1.5), wraps: true };
-            (Sensor::spinning(rows, columns), rig, down(45.0, 90.0 / 99.0).collect())
-        }
-        Kind::Camera => {
-            let f_px = 0.5 * columns as f32 / 35f32.to_radians().tan();
-            let (cx_px, cy_px) = (0.5 * (columns - 1) as f32, 0.5 * (rows - 1) as f32);
-            let rig = Rig::Pinhole { fx_px: f_px, fy_px: f_px, cx_px, cy_px };
-            (Sensor::pinhole(rows, columns), rig, vec![0.0; rows])
-        }
-    };
-    let sensor = Sensor { range_noise_m: NOISE_M.into(), ..sensor };
-    let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
-    Scan { columns, range_m, turn_rad, rig }
+/// The first so many offices as each scanner sees them.
+fn offices(scenes: u32) -> impl Iterator<Item = (String, Scan)> {
+    let seen = |kind, scene| (format!("{kind:?} {scene}"), office(kind, scene, NOISE_M.into()));
+    KINDS.into_iter().flat_map(move |kind| (0..scenes).map(move |scene| seen(kind, scene)))
 }
 
 /// The returns of each segment of some size that is seen in two rows or more: each with its row and column.
@@ -92,23 +62,20 @@ fn contacts(scan: &Scan, labels: &[u32]) -> BTreeMap<[u32; 2], usize> {
 #[test]
 fn segments_that_meet_are_two_planes() {
     let (mut pairs, mut in_doubt) = (0, 0);
-    for (kind, scene) in KINDS.into_iter().flat_map(|kind| (0..10).map(move |scene| (kind, scene))) {
-        let scan = office(kind, scene);
+    for (name, scan) in offices(10) {
         let labels = scan.record(CONFIG, live_labels(scan.columns)).labels();
         let segments: BTreeMap<_, _> = segments(&scan, &labels)
             .into_iter()
-            .filter_map(|(label, all)| Some((label, (NOISE.fit(&returns(&all))?, returns(&all)))))
+            .filter_map(|(label, all)| {
+                let all = returns(&all);
+                Some((label, (NOISE.fit(&all)?, all)))
+            })
             .collect();
         for (pair, _) in contacts(&scan, &labels).into_iter().filter(|&(_, contacts)| contacts >= 5) {
             let [Some((one, a)), Some((other, b))] = pair.map(|label| segments.get(&label)) else { continue };
             let Some(common) = NOISE.fit(&[a.as_slice(), b].concat()) else { continue };
             let added = common.squares - one.squares - other.squares;
-            assert!(
-                added > CHANCE,
-                "{kind:?} {scene}: {pair:?}, {} and {} pixels are one plane: {added}",
-                a.len(),
-                b.len()
-            );
+            assert!(added > CHANCE, "{name}: {pair:?}, {} and {} pixels are one plane: {added}", a.len(), b.len());
             pairs += 1;
             in_doubt += usize::from(added < 4.0 * CHANCE + 0.3 * a.len().min(b.len()) as f64);
         }
@@ -132,15 +99,14 @@ fn two_halves(all: &[([usize; 2], Return)], whole: &Fit, axis: usize) -> Option<
 #[test]
 fn segments_are_one_plane() {
     let (mut compared, mut two) = (0, 0);
-    for (kind, scene) in KINDS.into_iter().flat_map(|kind| (0..10).map(move |scene| (kind, scene))) {
-        let scan = office(kind, scene);
+    for (name, scan) in offices(10) {
         let labels = scan.record(CONFIG, live_labels(scan.columns)).labels();
         for (label, all) in segments(&scan, &labels).into_iter().filter(|(_, all)| all.len() >= 60) {
             let Some(whole) = NOISE.fit(&returns(&all)) else { continue };
             let most = [0, 1].into_iter().filter_map(|axis| two_halves(&all, &whole, axis)).fold(0.0, f64::max);
             compared += 1;
             if most > 1.0 {
-                println!("{kind:?} {scene}: segment {label} of {} pixels: {most:.2} a pixel", all.len());
+                println!("{name}: segment {label} of {} pixels: {most:.2} a pixel", all.len());
                 two += 1;
             }
         }
@@ -153,9 +119,8 @@ fn segments_are_one_plane() {
 /// noise in a third of these offices, whose columns are coarse.
 #[test]
 fn six_times_the_stated_noise_at_most() {
-    let mut offices = 0;
-    for (kind, scene) in KINDS.into_iter().flat_map(|kind| (0..30).map(move |scene| (kind, scene))) {
-        let scan = office(kind, scene);
+    let mut fooled = 0;
+    for (name, scan) in offices(30) {
         let mut room = Room::new(scan.columns, CONFIG, live_labels(scan.columns));
         let mut segmenter = PlaneSegmenter::new(CONFIG, scan.beams(), scan.columns, room.memory()).unwrap();
         let stated_m = segmenter.range_noise_m(10.0);
@@ -164,9 +129,9 @@ fn six_times_the_stated_noise_at_most() {
             segmenter.push_row(scan.row_m(row), scan.turn_rad[row], &mut Record::default()).unwrap();
             most_m = most_m.max(segmenter.range_noise_m(10.0));
         }
-        assert!(most_m < 6.01 * stated_m, "{kind:?} {scene}: {most_m} of {stated_m}");
-        offices += usize::from(most_m > 1.3 * stated_m);
+        assert!(most_m < 6.01 * stated_m, "{name}: {most_m} of {stated_m}");
+        fooled += usize::from(most_m > 1.3 * stated_m);
     }
-    println!("more is believed in {offices} of 90 offices");
-    assert!(offices <= 36, "{offices}");
+    println!("more is believed in {fooled} of 90 offices");
+    assert!(fooled <= 36, "{fooled}");
 }

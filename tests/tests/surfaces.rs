@@ -1,15 +1,13 @@
 //! The plane segmenter: what must hold of every scan.
 
-use crate::common::{plane_configs, scans};
+use crate::common::{self, plane_configs, scans};
 use proptest::prelude::*;
-use scanseg_core::{
-    Finished, PlaneConfig, PlaneSegmenter, PushError, Ranging, Segmenter, Status, TurnAxis, live_labels,
-};
-use scanseg_sim::office::{Scene, Sensor, Set};
+use scanseg_core::{Finished, PlaneConfig, PlaneSegmenter, PushError, Ranging, Segmenter, Status, live_labels};
 use scanseg_tests::checks::planes::{assert_adds_up, assert_consistent, assert_lines};
 use scanseg_tests::reference::planes::fit_plane;
 use scanseg_tests::scenes::{scan_of, scanner, uniform};
-use scanseg_tests::stream::{Angles, Event, Record, Rig, Room, Scan};
+use scanseg_tests::stream::{Event, Record, Rig, Room, Scan};
+use scanseg_tests::walls::Kind;
 use std::collections::BTreeMap;
 
 /// Ranges with 1 cm of noise.
@@ -203,12 +201,7 @@ fn turns_are_those_of_nodding_scanners() {
 
 /// A simulated office at 1 deg.
 fn office(scene: u32, noise_m: f64) -> (Scan, PlaneConfig) {
-    let (rows, columns) = (100, 181);
-    let sensor = Sensor { range_noise_m: noise_m, ..Sensor::nodding(rows, columns) };
-    let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
-    let angles = Angles::Even { start_rad: (-90f32).to_radians(), step_rad: 1f32.to_radians() };
-    let turn_rad = (0..rows).map(|row| (50.0 - row as f32).to_radians()).collect();
-    let scan = Scan { columns, range_m, turn_rad, rig: Rig::Nodding { angles, axis: TurnAxis::Y } };
+    let scan = common::office(Kind::Tilting, scene, noise_m);
     (scan, PlaneConfig::new(Ranging::new(noise_m.max(0.001) as f32)))
 }
 

@@ -34,9 +34,9 @@ pub struct Fit {
     pub m: Vector3<f64>,
     /// The inverse of its covariance.
     pub information: Matrix3<f64>,
-    /// Sum of the weights of its returns, and the weighted mean of their beams.
+    /// Sum of the weights of its returns.
     pub weight: f64,
-    /// See [`Fit::weight`].
+    /// Weighted mean of their beams.
     pub beam: Vector3<f64>,
     /// Chi-square of its returns.
     pub squares: f64,

@@ -1,9 +1,11 @@
-//! Scans and configurations of all kinds, as proptest strategies.
+//! Scans and configurations of all kinds, as proptest strategies; and simulated offices.
 
 use proptest::prelude::*;
-use scanseg_core::{EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace};
+use scanseg_core::{EdgeConfig, Element, PlaneConfig, Ranging, RegionConfig, Trace, TurnAxis};
+use scanseg_sim::office::{Scene, Sensor, Set};
 use scanseg_tests::scenes::scan_of;
-use scanseg_tests::stream::Scan;
+use scanseg_tests::stream::{Angles, Rig, Scan};
+use scanseg_tests::walls::Kind;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Numbers of columns, those around multiples of the chunk of 32 among them.
@@ -72,4 +74,36 @@ prop_compose! {
             .with_line_angle_rad(line_deg.to_radians().min(FRAC_PI_2))
             .with_plane_distance_m(plane_distance_m)
     }
+}
+
+/// What a scanner of coarse columns, 1 deg and all around 1.5 deg, sees of a simulated office. [`Kind::Tilting`],
+/// [`Kind::Around`] and [`Kind::Camera`] see one.
+pub fn office(kind: Kind, scene: u32, noise_m: f64) -> Scan {
+    let (rows, columns) = (100, if kind == Kind::Around { 240 } else { 181 });
+    let even = |start_deg: f32, step_deg: f32| Angles::Even {
+        start_rad: start_deg.to_radians(),
+        step_rad: step_deg.to_radians(),
+    };
+    let down =
+        |start_deg: f32, step_deg: f32| (0..rows).map(move |row| (start_deg - step_deg * row as f32).to_radians());
+    let (sensor, rig, turn_rad) = match kind {
+        Kind::Tilting => {
+            let rig = Rig::Nodding { angles: even(-90.0, 1.0), axis: TurnAxis::Y };
+            (Sensor::nodding(rows, columns), rig, down(50.0, 1.0).collect())
+        }
+        Kind::Around => {
+            let rig = Rig::Spinning { angles: even(180.0, -1.5), wraps: true };
+            (Sensor::spinning(rows, columns), rig, down(45.0, 90.0 / 99.0).collect())
+        }
+        Kind::Camera => {
+            let f_px = 0.5 * columns as f32 / 35f32.to_radians().tan();
+            let (cx_px, cy_px) = (0.5 * (columns - 1) as f32, 0.5 * (rows - 1) as f32);
+            let rig = Rig::Pinhole { fx_px: f_px, fy_px: f_px, cx_px, cy_px };
+            (Sensor::pinhole(rows, columns), rig, vec![0.0; rows])
+        }
+        Kind::Panning | Kind::Spinning => unimplemented!("{kind:?}"),
+    };
+    let sensor = Sensor { range_noise_m: noise_m, ..sensor };
+    let range_m = Scene::numbered(Set::Tuning, scene).scan(&sensor, 1).unwrap().range_m;
+    Scan { columns, range_m, turn_rad, rig }
 }
